@@ -1,0 +1,134 @@
+"""Triangle meshes, loaded, checked and given one array of normals that both renderers use."""
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from scenes.errors import InputError
+from scenes.schema import PRIMITIVES, Object
+
+FORMATS = (".ply", ".obj", ".stl", ".glb")
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles with a unit normal per vertex.
+
+    Attributes:
+        vertices: (n, 3) float32, in the mesh's own units.
+        normals: (n, 3) float32, unit length.
+        faces: (m, 3) uint32, counter-clockwise seen from outside.
+        closed: watertight and consistently wound, so that back faces are never seen.
+    """
+
+    vertices: np.ndarray
+    normals: np.ndarray
+    faces: np.ndarray
+    closed: bool
+
+
+@cache
+def load_mesh(mesh: str) -> Mesh:
+    """Load a primitive ("sphere", "plane") or a mesh file by absolute path.
+
+    Normals stored in the file are kept; otherwise vertices at one position are merged and get
+    the angle-weighted mean of their faces' normals (Thürmer and Wüthrich 1998). Triangles without
+    area are dropped.
+
+    Raises:
+        InputError: the file is missing, unreadable, empty, or holds NaN.
+    """
+    if mesh in PRIMITIVES:
+        return _sphere() if mesh == "sphere" else _plane()
+    path = Path(mesh)
+    if not path.is_file():
+        raise InputError(path, "mesh", "no such file", "name an existing mesh file")
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(path, "mesh", "unknown format", f"use one of {', '.join(FORMATS)}")
+    try:
+        raw = trimesh.load(path, process=False, force="mesh")
+        vertices, faces = np.asarray(raw.vertices, float), np.asarray(raw.faces)
+    except Exception as error:  # each of trimesh's readers raises what it likes
+        problem = f"cannot be read as a mesh ({type(error).__name__})"
+        raise InputError(path, "mesh", problem, "export it again") from error
+    if len(faces) == 0 or len(vertices) == 0:
+        raise InputError(path, "mesh", "has no triangles", "give a mesh with at least one triangle")
+    if not np.isfinite(vertices).all():
+        bad = int((~np.isfinite(vertices)).any(axis=1).sum())
+        raise InputError(path, "vertices", f"{bad} hold NaN or Inf", "export it again")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise InputError(path, "faces", "name vertices that do not exist", "export it again")
+    stored = raw._cache.cache.get("vertex_normals")
+    if stored is None or np.shape(stored) != vertices.shape or not np.isfinite(stored).all():
+        raw = trimesh.Trimesh(vertices, faces, process=False)
+        raw.merge_vertices()
+        stored = None
+    raw.update_faces(raw.area_faces > 0)
+    raw.remove_unreferenced_vertices()
+    if len(raw.faces) == 0:
+        raise InputError(path, "faces", "all have zero area", "give a mesh with a surface")
+    return _mesh(raw, raw.vertex_normals)
+
+
+def _mesh(raw: trimesh.Trimesh, normals: np.ndarray) -> Mesh:
+    """Freeze a trimesh; a normal of no length becomes the direction of its first face."""
+    normals = np.array(normals, float)
+    lengths = np.linalg.norm(normals, axis=1)
+    if (flat := lengths < 1e-12).any():
+        first = np.zeros(len(normals), int)
+        first[raw.faces[::-1].ravel()] = np.repeat(np.arange(len(raw.faces))[::-1], 3)
+        normals[flat] = raw.face_normals[first[flat]]
+        lengths[flat] = 1
+    welded = raw.copy()
+    welded.merge_vertices(merge_norm=True, merge_tex=True)
+    return Mesh(
+        np.ascontiguousarray(raw.vertices, np.float32),
+        np.ascontiguousarray(normals / lengths[:, None], np.float32),
+        np.ascontiguousarray(raw.faces, np.uint32),
+        bool(welded.is_watertight and welded.is_winding_consistent),
+    )
+
+
+def _sphere() -> Mesh:
+    """A sphere of radius 1 with exact normals, fine enough that facets are under a pixel."""
+    raw = trimesh.creation.icosphere(subdivisions=6)
+    return _mesh(raw, raw.vertices)
+
+
+def _plane() -> Mesh:
+    """A square of side 1 in z = 0 that faces up."""
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) / 2
+    raw = trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False)
+    return _mesh(raw, np.tile([0.0, 0, 1], (4, 1)))
+
+
+def placement(obj: Object) -> np.ndarray:
+    """The (4, 4) float64 matrix that takes the object's mesh to world space."""
+    matrix = trimesh.transformations.euler_matrix(*np.radians(obj.rotate), axes="sxyz")
+    scale = np.broadcast_to(np.asarray(obj.scale, float), 3)
+    position = np.asarray(obj.position, float)
+    if obj.height is None:
+        matrix[:3, :3] *= scale
+        matrix[:3, 3] = position
+        return matrix
+    turned = load_mesh(obj.mesh).vertices.astype(float) @ (matrix[:3, :3] * scale).T
+    low, high = turned.min(axis=0), turned.max(axis=0)
+    if high[2] - low[2] <= 0:
+        raise InputError(obj.mesh, "height", "the mesh is flat", "set 'scale' instead of 'height'")
+    factor = obj.height / (high[2] - low[2])
+    base = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
+    matrix[:3, :3] *= scale * factor
+    matrix[:3, 3] = position - factor * base
+    return matrix
+
+
+def world_mesh(obj: Object) -> Mesh:
+    """The object's mesh with vertices and unit normals in world space."""
+    mesh, matrix = load_mesh(obj.mesh), placement(obj)
+    vertices = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    normals = mesh.normals @ np.linalg.inv(matrix[:3, :3])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return Mesh(vertices.astype(np.float32), normals.astype(np.float32), mesh.faces, mesh.closed)

@@ -1,0 +1,247 @@
+"""The nouns of a scene, validated: Material, Mixture, Model, Camera, Environment, Object, Case."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+
+from scenes.optics import load_constants
+
+Unit = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+RGB = tuple[Unit, Unit, Unit]
+Vector = tuple[Finite, Finite, Finite]
+
+PRIMITIVES = ("sphere", "plane")
+ALPHA_MIN = 1e-4  # Mitsuba's microfacet plugins floor alpha here, so both sides do.
+
+
+class Strict(BaseModel):
+    """A record that refuses unknown fields and cannot be changed."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Optics(Strict):
+    """How a smooth interface reflects: F0, and where known eta and k, each (3,) linear sRGB.
+
+    `eta` and `k` are None for a reflectance given as a bare number of a metal: such a material
+    has no `physical` truth.
+    """
+
+    f0: RGB
+    eta: Vector | None = None
+    k: Vector | None = None
+    name: str = ""
+
+
+def _named_optics(value: Any, metal: bool) -> Any:
+    """Turn a substance name, a number or an RGB triple into the fields of Optics."""
+    if isinstance(value, str):
+        constants = {n: c for n, c in load_constants().items() if c["metal"] == metal}
+        if value not in constants:
+            kind = "metal" if metal else "substance"
+            raise ValueError(f"unknown {kind} '{value}'; known: {', '.join(sorted(constants))}")
+        entry = constants[value]
+        return Optics(f0=entry["f0"], eta=entry["eta"], k=entry["k"], name=value)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        value = [value] * 3
+    if isinstance(value, list | tuple):
+        optics = Optics(f0=value)
+        if metal or max(optics.f0) >= 1:
+            return optics
+        # A lossless dielectric: F0 = ((eta - 1) / (eta + 1))^2 solved for eta.
+        eta = tuple((1 + math.sqrt(f)) / (1 - math.sqrt(f)) for f in optics.f0)
+        return optics.model_copy(update={"eta": eta, "k": (0.0, 0.0, 0.0)})
+    return value
+
+
+Dielectric = Annotated[Optics, BeforeValidator(lambda v: _named_optics(v, metal=False))]
+Metal = Annotated[Optics, BeforeValidator(lambda v: _named_optics(v, metal=True))]
+
+
+def _ggx_share(value: Any) -> Any:
+    """Accept the GGX share w, or the pair [w_ggx, w_beckmann] that must sum to 1."""
+    if not isinstance(value, list | tuple):
+        return value
+    if len(value) != 2:
+        raise ValueError("give one weight per lobe, [ggx, beckmann]")
+    if not all(isinstance(w, int | float) and 0 <= w <= 1 for w in value):
+        raise ValueError("every weight must lie in [0, 1]")
+    if not math.isclose(sum(value), 1, abs_tol=1e-6):
+        raise ValueError(f"the weights sum to {sum(value):.6g}, not to 1")
+    return value[0]
+
+
+Weight = Annotated[Unit, BeforeValidator(_ggx_share)]
+
+
+class Material(Strict):
+    """A surface by albedo, roughness, metallic, F0 and its mixture of two microfacet lobes.
+
+    `roughness` is the artist's perceptual parameter; the microfacet width is alpha = roughness²
+    (Burley 2012). `weight` is the share of GGX in D, `weight_g` that of its masking in G; the
+    rest is Beckmann. `metallic` between 0 and 1 mixes F0 and diffuse albedo linearly.
+    """
+
+    name: str = ""
+    description: str = ""
+    source: str = ""
+    albedo: RGB = (0.0, 0.0, 0.0)
+    roughness: Unit
+    metallic: Unit
+    f0: Dielectric = Field(default=0.04, validate_default=True)
+    metal: Metal | None = None
+    weight: Weight = 1.0
+    weight_g: Weight | None = None
+
+    @model_validator(mode="after")
+    def _parts_are_given(self) -> Material:
+        if self.metallic > 0 and self.metal is None:
+            raise ValueError("metallic > 0 needs 'metal': a metal's name, or its F0 as [r, g, b]")
+        if self.metallic < 1 and "albedo" not in self.model_fields_set:
+            raise ValueError("metallic < 1 needs 'albedo': the diffuse base colour as [r, g, b]")
+        return self
+
+    @property
+    def alpha(self) -> float:
+        """Microfacet width, floored at ALPHA_MIN."""
+        return max(self.roughness**2, ALPHA_MIN)
+
+    @property
+    def masking_weight(self) -> float:
+        """The share of GGX's masking in G."""
+        return self.weight if self.weight_g is None else self.weight_g
+
+    @property
+    def specular_f0(self) -> RGB:
+        """F0 of the whole surface, (3,): the two parts mixed by metallic."""
+        metal = self.metal.f0 if self.metal else self.f0.f0
+        return tuple(
+            (1 - self.metallic) * d + self.metallic * m
+            for d, m in zip(self.f0.f0, metal, strict=True)
+        )
+
+    @property
+    def diffuse_albedo(self) -> RGB:
+        """Albedo of the diffuse lobe, (3,): none where the surface is metal."""
+        return tuple((1 - self.metallic) * c for c in self.albedo)
+
+
+class Model(Strict):
+    """What the BRDF is, whoever integrates it. The default is the paper's.
+
+    kd is 1 - F(h·wi) under the integral; `masking = "paper"` is G = sum of w_j G_j with separable
+    Smith for GGX and the V-cavity of Cook and Torrance 1982 for Beckmann.
+    """
+
+    fresnel: Literal["schlick"] = "schlick"
+    kd: Literal["one-minus-fresnel"] = "one-minus-fresnel"
+    masking: Literal["paper"] = "paper"
+    multiscatter: Literal["off"] = "off"
+
+
+class Camera(Strict):
+    """A pinhole; `fov` is vertical, in degrees; world is z up."""
+
+    origin: Vector
+    target: Vector
+    up: Vector = (0.0, 0.0, 1.0)
+    fov: Annotated[float, Field(gt=0, lt=170)]
+
+    @model_validator(mode="after")
+    def _looks_somewhere(self) -> Camera:
+        to = [t - o for t, o in zip(self.target, self.origin, strict=True)]
+        cross = math.hypot(
+            to[1] * self.up[2] - to[2] * self.up[1],
+            to[2] * self.up[0] - to[0] * self.up[2],
+            to[0] * self.up[1] - to[1] * self.up[0],
+        )
+        if cross < 1e-6 * math.hypot(*to) * math.hypot(*self.up) or math.hypot(*to) == 0:
+            raise ValueError("origin, target and up must not lie on one line")
+        return self
+
+
+class Environment(Strict):
+    """A lat-long radiance map by absolute path; `rotation` turns it about z, in degrees."""
+
+    name: str
+    path: Path
+    rotation: Finite = 0.0
+
+
+class Object(Strict):
+    """One mesh with one material.
+
+    `mesh` is a primitive ("sphere" of radius 1, "plane" of side 1 in z = 0) or an absolute path.
+    It is scaled by `scale`, turned by `rotate` (degrees about x, then y, then z) and moved to
+    `position`; with `height` it is instead scaled to that height and set with the middle of its
+    base on `position`.
+    """
+
+    name: str
+    mesh: str
+    material: Material
+    position: Vector = (0.0, 0.0, 0.0)
+    rotate: Vector = (0.0, 0.0, 0.0)
+    scale: Positive | tuple[Positive, Positive, Positive] = 1.0
+    height: Positive | None = None
+    judged: bool = True
+    small: str = ""
+
+    @field_validator("name")
+    @classmethod
+    def _file_safe(cls, name: str) -> str:
+        return file_safe(name)
+
+
+class Case(Strict):
+    """Everything needed to draw one picture, and nothing about how.
+
+    Its JSON (`model_dump_json`) is what an outside renderer is given; scenes/FORMAT.md documents
+    it.
+    """
+
+    id: str
+    scene: str
+    environment: Environment
+    camera: Camera
+    width: Annotated[int, Field(gt=0, le=16384)]
+    height: Annotated[int, Field(gt=0, le=16384)]
+    model: Model = Model()
+    objects: Annotated[tuple[Object, ...], Field(min_length=1, max_length=254)]
+
+    @model_validator(mode="after")
+    def _names_are_unique(self) -> Case:
+        names = [o.name for o in self.objects]
+        if twice := {n for n in names if names.count(n) > 1}:
+            raise ValueError(f"object names must be unique; twice: {', '.join(sorted(twice))}")
+        return self
+
+    @property
+    def judged(self) -> tuple[Object, ...]:
+        """The objects that are measured; the others only give context."""
+        return tuple(o for o in self.objects if o.judged)
+
+    def index(self, name: str) -> int:
+        """The id (1-based) under which an object stands in a mask; 0 is the background."""
+        return 1 + [o.name for o in self.objects].index(name)
+
+
+def file_safe(name: str) -> str:
+    """Return the name if it can stand in a file name on any system, else raise ValueError."""
+    if not name or not all(c.isalnum() or c in "-_.=" for c in name) or name[0] == ".":
+        raise ValueError(f"name '{name}' must be made of letters, digits, '-', '_', '.' and '='")
+    return name
+
+
+@cache
+def file_digest(path: Path) -> str:
+    """SHA-256 of a file's bytes, in hex."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
