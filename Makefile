@@ -1,0 +1,76 @@
+# make exits with 2 whenever a recipe fails, so through make a gate that found a difference
+# (1) looks like one that could not run (2). CI calls .venv/bin/shadeproof itself.
+
+SUITE  ?= default
+OUT    ?= reports/out
+FILTER ?=
+ARGS   ?=
+PYTHON ?= python3
+NO_APT ?=
+
+BIN := .venv/bin
+RUN := --suite $(SUITE) --out $(OUT) $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help compare gate report references bench stability test test-long lint clean FORCE
+
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-11s %s\n", $$1, $$2 }' Makefile
+	@echo
+	@echo "Variables: SUITE=$(SUITE) OUT=$(OUT) FILTER=$(FILTER) ARGS=$(ARGS)"
+	@echo "           PYTHON=$(PYTHON) NO_APT=$(NO_APT) (1: install no system packages)"
+
+compare: .venv/.stamp ## render a suite with both renderers and report how far apart they are
+	@$(BIN)/shadeproof compare $(RUN)
+
+gate: .venv/.stamp ## the same, and fail when a case misses its thresholds
+	@$(BIN)/shadeproof gate $(RUN)
+
+report: .venv/.stamp ## write the report anew from the results in OUT
+	@$(BIN)/shadeproof report --out $(OUT) $(ARGS)
+
+references: .venv/.stamp ## render the references a suite needs and keep them
+	@$(BIN)/shadeproof references --suite $(SUITE) $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
+
+bench: .venv/.stamp ## time both renderers on a suite
+	@$(BIN)/shadeproof bench $(RUN)
+
+stability: .venv/.stamp ## repeat a suite and show how much its numbers move
+	@$(BIN)/shadeproof stability $(RUN)
+
+test: .venv/.stamp ## check style and imports, and run the short tests
+	@$(BIN)/ruff check --quiet
+	@$(BIN)/lint-imports --no-cache >.venv/imports.log || { cat .venv/imports.log; exit 1; }
+	@$(BIN)/pytest -q -m 'not long'
+
+test-long: .venv/.stamp ## run every test, those of minutes too
+	@$(BIN)/pytest
+
+lint: .venv/.stamp ## check style, format and imports
+	@$(BIN)/ruff check
+	@$(BIN)/ruff format --check
+	@$(BIN)/lint-imports --no-cache
+
+clean: ## remove .venv, caches and reports/out; the rendered references stay
+	@rm -rf .venv .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	@rm -rf build dist shadeproof.egg-info reports/out
+	@find scenes renderer reference reports tests -name __pycache__ -prune -exec rm -rf {} +
+
+# A .venv counts as sound when its Python runs and its commands were written for this folder;
+# one that was moved, or whose Python has gone, is made anew. An interrupted one has no stamp.
+SOUND := $(shell $(BIN)/python -c 'import pip' 2>/dev/null && \
+	grep -qsF '$(CURDIR)/.venv/' $(BIN)/shadeproof && echo yes)
+
+.venv/.pinned: requirements/requirements.txt requirements/system.sh $(if $(SOUND),,FORCE)
+	@PYTHON='$(PYTHON)' NO_APT='$(NO_APT)' requirements/system.sh
+	@echo "shadeproof: installing the pinned Python packages into .venv (some minutes at first)"
+	@$(PYTHON) -m venv --clear .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--require-hashes -r requirements/requirements.txt
+	@touch $@
+
+.venv/.stamp: .venv/.pinned pyproject.toml
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--no-deps --no-build-isolation -e .
+	@touch $@
