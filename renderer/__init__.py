@@ -1,0 +1,1 @@
+"""The real-time side: a GLSL physically-based renderer on moderngl."""

@@ -1,0 +1,102 @@
+"""One table: each feature of the renderer, the maps it reads, and when a material needs it.
+
+A technique names the features of a whole frame; a lobe is compiled in only for the materials
+that have it.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from scenes.schema import Material
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A piece of shading that can be compiled in or left out.
+
+    Attributes:
+        name: as #defined in GLSL where the shader tests for it.
+        needed: whether a material needs it.
+        maps: the precomputed maps that it reads under the split sum.
+    """
+
+    name: str
+    needed: Callable[[Material], bool]
+    maps: tuple[str, ...] = ()
+
+
+LOBES = (
+    Feature("D_GGX", lambda m: m.weight > 0, ("prefiltered_ggx", "table_ggx")),
+    Feature("D_BECKMANN", lambda m: m.weight < 1, ("prefiltered_beckmann", "table_beckmann")),
+    Feature("G_GGX", lambda m: m.masking_weight > 0),
+    Feature("G_BECKMANN", lambda m: m.masking_weight < 1),
+    Feature("DIFFUSE", lambda m: max(m.diffuse_albedo) > 0, ("irradiance_map",)),
+)
+
+
+@dataclass(frozen=True)
+class Technique:
+    """How the renderer integrates a model over a whole frame.
+
+    Attributes:
+        shade: the shader file that integrates.
+        samples: directions per pixel, where the shader samples; else 0.
+        msaa: coverage samples per pixel, box-filtered; 0 for none.
+        supersample: whole pixels drawn per pixel and axis, box-filtered.
+    """
+
+    name: str
+    shade: str
+    samples: int = 0
+    msaa: int = 4
+    supersample: int = 1
+
+    def maps(self, material: Material) -> tuple[str, ...]:
+        """The precomputed maps that this technique reads for a material."""
+        if self.samples:
+            return ()
+        return tuple(m for f in LOBES if f.needed(material) for m in f.maps)
+
+
+TECHNIQUES = {
+    "paper": Technique("paper", "shade_paper.glsl"),
+    "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
+    "sampled": Technique("sampled", "shade_sampled.glsl", samples=64),
+}
+
+
+def technique(name: str) -> Technique:
+    """A technique by name; `sampled@N` takes N directions per pixel.
+
+    Raises:
+        ValueError: there is no such technique.
+    """
+    if found := TECHNIQUES.get(name):
+        return found
+    if (match := re.fullmatch(r"sampled@(\d{1,6})", name)) and int(match[1]) > 0:
+        return Technique(name, "shade_sampled.glsl", samples=int(match[1]))
+    known = ", ".join([*TECHNIQUES, "sampled@N"])
+    raise ValueError(f"unknown technique '{name}'; known: {known}")
+
+
+def lobes(material: Material) -> frozenset[str]:
+    """The names of the features that a material needs."""
+    return frozenset(f.name for f in LOBES if f.needed(material))
+
+
+def split_samples(material: Material, samples: int) -> tuple[int, int, int]:
+    """Share samples out to the lobes (GGX, Beckmann, cosine); every needed lobe gets some.
+
+    The diffuse lobe gets a share by its albedo against F0, between a fifth and a half: the
+    balance heuristic keeps any split unbiased.
+    """
+    diffuse = max(material.diffuse_albedo)
+    share = 0.0
+    if diffuse > 0:
+        share = min(max(diffuse / (diffuse + max(material.specular_f0)), 0.2), 0.5)
+    specular = samples - round(share * samples)
+    ggx = round(material.weight * specular)
+    if 0 < material.weight < 1 and specular > 1:
+        ggx = min(max(ggx, 1), specular - 1)
+    return ggx, specular - ggx, samples - specular

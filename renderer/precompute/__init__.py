@@ -1,0 +1,56 @@
+"""Maps made once per environment, on the GPU: one file each, one row each in MAPS."""
+
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from time import perf_counter
+
+import moderngl
+
+from renderer.context import context
+from renderer.precompute import brdf_table, irradiance, prefilter, radiance
+from scenes.schema import file_digest
+
+Maps = dict[str, moderngl.Texture]
+# Each maker takes the radiance map and returns one or more maps by name.
+MAKERS: dict[str, Callable[[moderngl.Texture], Maps]] = {
+    "irradiance_map": irradiance.make,
+    "prefiltered_ggx": prefilter.make,
+    "prefiltered_beckmann": prefilter.make,
+    "table_ggx": brdf_table.make,
+    "table_beckmann": brdf_table.make,
+}
+
+
+class Precomputed:
+    """The maps of one environment, made when first asked for.
+
+    Attributes:
+        maps: by the name of their sampler in GLSL; always holds "radiance_map".
+        seconds: time spent making each, by name.
+    """
+
+    def __init__(self, path: Path) -> None:
+        start = perf_counter()
+        self.maps: Maps = {"radiance_map": radiance.make(path)}
+        context().finish()
+        self.seconds = {"radiance_map": perf_counter() - start}
+
+    def need(self, names: tuple[str, ...]) -> None:
+        """Make the named maps that are not there yet."""
+        for name in names:
+            if name not in self.maps:
+                start = perf_counter()
+                self.maps |= MAKERS[name](self.maps["radiance_map"])
+                context().finish()
+                self.seconds[name] = perf_counter() - start
+
+
+def precomputed(path: Path) -> Precomputed:
+    """The maps of an environment file; kept for the last few environments."""
+    return _cached(path, file_digest(path))
+
+
+@lru_cache(maxsize=4)
+def _cached(path: Path, _digest: str) -> Precomputed:
+    return Precomputed(path)

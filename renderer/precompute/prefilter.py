@@ -1,0 +1,37 @@
+"""The prefiltered environment: one mip level per roughness, for GGX and for Beckmann."""
+
+import moderngl
+
+from renderer.context import context
+from renderer.program import bind_maps, fill, program, set_uniforms
+from scenes.schema import ALPHA_MIN
+
+SIZE = (512, 256)
+LEVELS = 6  # roughness 0, .2, .4, .6, .8, 1
+SAMPLES = 1024
+
+
+def make(radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
+    """Both lobes as float32 RGBA textures: rgb the weighted radiance, a the sum of weights."""
+    gl = context()
+    shader = program("fullscreen.vert", "prefilter.frag")
+    made = {}
+    for name in ("prefiltered_ggx", "prefiltered_beckmann"):
+        made[name] = gl.texture(SIZE, 4, dtype="f4")
+        made[name].build_mipmaps(max_level=LEVELS - 1)
+        made[name].filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+        made[name].repeat_x, made[name].repeat_y = True, False
+    for level in range(LEVELS):
+        size = (SIZE[0] >> level, SIZE[1] >> level)
+        targets = [gl.texture(size, 4, dtype="f4") for _ in made]
+        framebuffer = gl.framebuffer(targets)
+        bind_maps(shader, {"radiance_map": radiance})
+        # A mirror needs no samples: alpha at its floor sees one filtered texel.
+        count = SAMPLES if level else 1
+        set_uniforms(shader, alpha=max((level / (LEVELS - 1)) ** 2, ALPHA_MIN), count=count)
+        fill(framebuffer, shader)
+        for texture, target in zip(made.values(), targets, strict=True):
+            texture.write(target.read(), level=level)
+            target.release()
+        framebuffer.release()
+    return made

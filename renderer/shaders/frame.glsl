@@ -1,0 +1,8 @@
+// An orthonormal basis around n without a branch or a singularity.
+// Duff et al. 2017, "Building an Orthonormal Basis, Revisited", listing 3.
+mat3 tangent_frame(vec3 n) {
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z);
+    float b = n.x * n.y * a;
+    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
+}

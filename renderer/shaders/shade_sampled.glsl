@@ -1,0 +1,74 @@
+#include "brdf.glsl"
+#include "radiance.glsl"
+#include "frame.glsl"
+#include "hammersley.glsl"
+#include "sample_ggx.glsl"
+#include "sample_beckmann.glsl"
+#include "sample_cosine.glsl"
+
+// The model's exact BRDF over sampled directions with filtered look-ups. Each lobe has its own
+// share of the samples; the balance heuristic (Veach and Guibas 1995) joins them without bias.
+uniform ivec3 lobe_samples; // GGX, Beckmann, cosine
+
+float pdf_half_vector(float D, vec3 wo, vec3 h) {
+    return D * h.z / (4.0 * dot(wo, h));
+}
+
+// Density of all samples together, per steradian; integrates to their number.
+float sample_density(vec3 wi, vec3 wo, Material m) {
+    vec3 h = normalize(wi + wo);
+    float density = 0.0;
+#ifdef D_GGX
+    density += float(lobe_samples.x) * pdf_half_vector(D_ggx(h, m.alpha), wo, h);
+#endif
+#ifdef D_BECKMANN
+    density += float(lobe_samples.y) * pdf_half_vector(D_beckmann(h, m.alpha), wo, h);
+#endif
+#ifdef DIFFUSE
+    density += float(lobe_samples.z) * wi.z * INV_PI;
+#endif
+    return density;
+}
+
+vec3 incident(vec3 wi, vec3 wo, mat3 to_world, Material m) {
+    if (wi.z <= 0.0) return vec3(0.0);
+    float density = sample_density(wi, wo, m);
+    if (density <= 0.0) return vec3(0.0);
+    vec3 world = to_world * wi;
+    return brdf(wi, wo, m) * wi.z / density * radiance(world, radiance_lod(world, density, 1.0));
+}
+
+// Two fractions that differ from pixel to pixel: Jarzynski and Olano 2020, pcg3d.
+vec2 pixel_shift() {
+    uvec3 p = uvec3(gl_FragCoord.xy, 1u) * 1664525u + 1013904223u;
+    p.x += p.y * p.z; p.y += p.z * p.x; p.z += p.x * p.y;
+    p ^= p >> 16u;
+    p.x += p.y * p.z; p.y += p.z * p.x;
+    return vec2(p.xy >> 8u) * (1.0 / 16777216.0);
+}
+
+vec3 shade(vec3 n, vec3 v, Material m) {
+    mat3 to_world = tangent_frame(n);
+    vec3 wo = v * to_world;
+    vec2 shift = pixel_shift();
+    vec3 L = vec3(0.0);
+#ifdef D_GGX
+    for (int i = 0; i < lobe_samples.x; ++i) {
+        vec2 u = fract(hammersley(uint(i), uint(lobe_samples.x)) + shift);
+        L += incident(reflect(-wo, sample_ggx(u, m.alpha)), wo, to_world, m);
+    }
+#endif
+#ifdef D_BECKMANN
+    for (int i = 0; i < lobe_samples.y; ++i) {
+        vec2 u = fract(hammersley(uint(i), uint(lobe_samples.y)) + shift);
+        L += incident(reflect(-wo, sample_beckmann(u, m.alpha)), wo, to_world, m);
+    }
+#endif
+#ifdef DIFFUSE
+    for (int i = 0; i < lobe_samples.z; ++i) {
+        vec2 u = fract(hammersley(uint(i), uint(lobe_samples.z)) + shift);
+        L += incident(sample_cosine(u), wo, to_world, m);
+    }
+#endif
+    return L;
+}
