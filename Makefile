@@ -64,7 +64,7 @@ SOUND := $(shell $(BIN)/python -c 'import pip' 2>/dev/null && \
 
 .venv/.pinned: requirements/requirements.txt requirements/system.sh $(if $(SOUND),,FORCE)
 	@PYTHON='$(PYTHON)' NO_APT='$(NO_APT)' requirements/system.sh
-	@echo "shadeproof: installing the pinned Python packages into .venv (some minutes at first)"
+	@echo "shadeproof: installing the pinned Python packages into .venv (a minute or so)"
 	@$(PYTHON) -m venv --clear .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--require-hashes -r requirements/requirements.txt
