@@ -1,0 +1,132 @@
+"""Truth `physical`: a material as Mitsuba's own plugins, which nobody here wrote.
+
+- A metal is `roughconductor` with eta and k.
+- A dielectric is `roughplastic` under vacuum. The plugin takes one index of refraction, so RGB
+  eta becomes its mean (a note says by how much F0 then differs, where it does). Its diffuse
+  reflectance is the albedo of the layer below; `solve_reflectance` finds the one with which the
+  surface, seen from outside, has the material's albedo.
+- metallic between 0 and 1 is a `blendbsdf` of the two, and so is the mixture of the two NDFs by
+  its weight in D. The weight in G is ignored: each NDF keeps its own Smith masking.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from reference.variant import mitsuba
+from scenes.errors import InputError
+from scenes.schema import Material, Object
+
+mi = mitsuba()
+
+DISTRIBUTIONS = {"beckmann": 0.0, "ggx": 1.0}  # the weight at which only this one is left
+NOTABLE = 0.002  # a change of F0 or albedo worth a note; below it no figure moves
+
+
+def physical_bsdf(obj: Object) -> tuple[dict, list[str]]:
+    """The object's material as a Mitsuba dictionary, with notes on what could not be matched.
+
+    Raises:
+        InputError: a metal is given by its F0 alone, so eta and k are unknown.
+    """
+    material, notes = obj.material, []
+    if material.metallic > 0 and (material.metal is None or material.metal.eta is None):
+        problem = "a metal given as bare F0 has no eta and k, which the truth 'physical' needs"
+        raise InputError(f"object '{obj.name}'", "material.metal", problem, "name a metal")
+    patches = {}
+    for distribution in DISTRIBUTIONS:
+        if material.weight == 1 - DISTRIBUTIONS[distribution]:
+            continue  # the mixture has none of it
+        metal = _metal(material, distribution) if material.metallic > 0 else None
+        plastic = None
+        if material.metallic < 1:
+            plastic, remarks = _plastic(material, distribution)
+            notes += [f"{obj.name}: {remark}" for remark in remarks if remark not in notes]
+        patches[distribution] = blend(plastic, metal, material.metallic)
+    return blend(patches.get("beckmann"), patches.get("ggx"), material.weight), notes
+
+
+def blend(first: dict | None, second: dict | None, weight: float) -> dict:
+    """(1 - weight) first + weight second; at the ends the one that is left.
+
+    `blendbsdf` orders its children by id and its weight 0 is the first: hence `a_` and `b_`.
+    """
+    if weight == 0 or weight == 1:
+        return second if weight == 1 else first
+    return {"type": "blendbsdf", "weight": weight, "a_first": first, "b_second": second}
+
+
+def _metal(material: Material, distribution: str) -> dict:
+    return {
+        "type": "roughconductor",
+        "distribution": distribution,
+        "alpha": material.alpha,
+        "eta": {"type": "rgb", "value": list(material.metal.eta)},
+        "k": {"type": "rgb", "value": list(material.metal.k)},
+    }
+
+
+def _plastic(material: Material, distribution: str) -> tuple[dict, list[str]]:
+    eta = float(np.mean(material.f0.eta))
+    f0 = ((eta - 1) / (eta + 1)) ** 2
+    notes = []
+    if (gap := max(abs(f0 - f) for f in material.f0.f0)) > NOTABLE:
+        notes.append(f"F0 is {f0:.4f} in every channel, off by up to {gap:.4f}")
+    reflectance, reached = solve_reflectance(eta, material.alpha, distribution, material.albedo)
+    if (gap := max(a - r for a, r in zip(material.albedo, reached, strict=True))) > NOTABLE:
+        shown = ", ".join(f"{r:.3f}" for r in reached)
+        notes.append(f"albedo is clamped to ({shown}), the most that this interface lets out")
+    return _rough_plastic(eta, material.alpha, distribution, reflectance), notes
+
+
+def _rough_plastic(eta: float, alpha: float, distribution: str, reflectance) -> dict:
+    return {
+        "type": "roughplastic",
+        "distribution": distribution,
+        "alpha": alpha,
+        "int_ior": eta,
+        "ext_ior": 1.0,
+        # Light that returns from the interface meets the coloured layer again.
+        "nonlinear": True,
+        "diffuse_reflectance": {"type": "rgb", "value": [float(r) for r in reflectance]},
+    }
+
+
+def solve_reflectance(
+    eta: float, alpha: float, distribution: str, albedo: tuple[float, float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The inner reflectance with which `roughplastic` has a given outer diffuse albedo.
+
+    The outer albedo is A(rho) = T rho / (1 - rho r), light that enters, bounces under the
+    interface and leaves; T and r follow from measuring the plugin at two values of rho.
+
+    Returns:
+        The reflectance (3,), at most 1, and the albedo (3,) that it gives.
+    """
+    half, one = outer_albedo(eta, alpha, distribution, 0.5), outer_albedo(eta, alpha, distribution, 1)
+    r = (one - 2 * half) / (one - half)
+    T = one * (1 - r)
+    wanted = np.asarray(albedo, float)
+    rho = np.minimum(wanted / (T + wanted * r), 1.0)
+    return rho, T * rho / (1 - rho * r)
+
+
+@cache
+def outer_albedo(eta: float, alpha: float, distribution: str, rho: float) -> float:
+    """Hemispherical-hemispherical albedo of the plugin's diffuse component, by quadrature.
+
+    1/pi times the integral of f cos(theta_i) cos(theta_o) over both hemispheres; the component
+    does not depend on azimuth, which leaves 4 pi f cos cos over both cosines.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(48)
+    cosine, weight = (nodes + 1) / 2, weights / 2
+    z_in, z_out = (a.ravel().astype(np.float32) for a in np.meshgrid(cosine, cosine))
+    bsdf = mi.load_dict(_rough_plastic(eta, alpha, distribution, [rho] * 3))
+    diffuse = [i for i in range(bsdf.component_count()) if mi.has_flag(bsdf.flags(i), mi.BSDFFlags.Diffuse)]
+    context = mi.BSDFContext()
+    context.component = diffuse[0]
+    si = mi.SurfaceInteraction3f()
+    si.wi = mi.Vector3f(np.sqrt(1 - z_in**2), 0, z_in)
+    wo = mi.Vector3f(np.sqrt(1 - z_out**2), 0, z_out)
+    f_cos = np.array(bsdf.eval(context, si, wo))[0].astype(float)  # grey: one channel serves
+    return float(np.sum(f_cos * z_in * np.outer(weight, weight).ravel()) * 4 * np.pi)

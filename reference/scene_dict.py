@@ -1,0 +1,118 @@
+"""A case as a Mitsuba scene: the same arrays and numbers that the other renderer reads."""
+
+import drjit as dr
+import numpy as np
+
+import reference.mixture  # noqa: F401  registers the plugin `mixture`
+from reference.physical import physical_bsdf
+from reference.variant import mitsuba
+from scenes.environment import load_environment
+from scenes.mesh import world_mesh
+from scenes.schema import Camera, Case, Environment, Material, Object
+
+mi = mitsuba()
+
+
+def build_scene(case: Case, physical: bool = False) -> tuple[mi.Scene, list[str]]:
+    """The case as a scene, and what to know about its materials (empty unless `physical`).
+
+    Args:
+        physical: Mitsuba's own plugins for the materials instead of the case's model.
+
+    Raises:
+        InputError: a mesh, an environment or (for `physical`) a material cannot be used.
+    """
+    notes: list[str] = []
+    scene = {
+        "type": "scene",
+        "sensor": sensor(case.camera, case.width, case.height),
+        "environment": environment(case.environment),
+    }
+    for number, obj in enumerate(case.objects):
+        if physical:
+            bsdf, remarks = physical_bsdf(obj)
+            notes += remarks
+        else:
+            bsdf = model_bsdf(obj.material)
+        scene[shape_id(number)] = mesh(obj, bsdf, shape_id(number))
+    # Without `optimize`, shapes stay as they are, one per object, and can be told apart.
+    return mi.load_dict(scene, optimize=False), notes
+
+
+def shape_id(number: int) -> str:
+    """The id of the shape of case.objects[number]."""
+    return f"object_{number:03}"
+
+
+def model_bsdf(material: Material) -> dict:
+    """The material under the case's model (there is one model: the paper's)."""
+    return {
+        "type": "mixture",
+        "albedo": list(material.diffuse_albedo),
+        "f0": list(material.specular_f0),
+        "alpha": material.alpha,
+        "weight": material.weight,
+        "weight_g": material.masking_weight,
+    }
+
+
+def mesh(obj: Object, bsdf: dict, name: str) -> mi.Mesh:
+    """The object's triangles in world space, with the given normal at each vertex."""
+    source = world_mesh(obj)
+    props = mi.Properties()
+    props["bsdf"] = mi.load_dict(bsdf)
+    shape = mi.Mesh(
+        name, len(source.vertices), len(source.faces), props=props, has_vertex_normals=True
+    )
+    params = mi.traverse(shape)
+    params["vertex_positions"] = source.vertices.ravel()
+    params["vertex_normals"] = source.normals.ravel()
+    params["faces"] = source.faces.ravel()
+    params.update()
+    shape.set_id(name)
+    return shape
+
+
+def environment(source: Environment) -> dict:
+    """The radiance map as an `envmap` in a world that is z-up.
+
+    Mitsuba's column u lies at atan2(x, -z) = 2 pi u of local space and its rows run along y; ours
+    at atan2(x, y) = 2 pi (u - rotation / 360) and along z.
+    """
+    radiance = np.ascontiguousarray(load_environment(source.path).radiance)
+    upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
+    return {
+        "type": "envmap",
+        "bitmap": mi.Bitmap(radiance),
+        "to_world": mi.ScalarTransform4f().rotate([0, 0, 1], source.rotation) @ upright,
+    }
+
+
+def sensor(camera: Camera, width: int, height: int) -> dict:
+    """A pinhole of vertical field of view, with a box filter over each pixel."""
+    look = mi.ScalarTransform4f().look_at(
+        origin=list(camera.origin), target=list(camera.target), up=list(camera.up)
+    )
+    return {
+        "type": "perspective",
+        "fov_axis": "y",
+        "fov": camera.fov,
+        "near_clip": 1e-3,
+        "far_clip": 1e5,
+        "to_world": look,
+        "film": {
+            "type": "hdrfilm",
+            "width": width,
+            "height": height,
+            "rfilter": {"type": "box"},
+            "component_format": "float32",
+            "pixel_format": "rgb",
+        },
+    }
+
+
+def camera_rays(scene: mi.Scene, case: Case, position: mi.Point2f) -> mi.RayDifferential3f:
+    """Rays through film positions in pixels, (0, 0) at the upper left corner of the picture."""
+    fraction = position / mi.ScalarPoint2f(case.width, case.height)
+    zero = dr.zeros(mi.Float, dr.width(position))
+    return scene.sensors()[0].sample_ray_differential(zero, zero, fraction, mi.Point2f(0.5))[0]
