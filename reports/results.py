@@ -1,0 +1,150 @@
+"""results.json: its schema, documented and versioned, and its verdicts."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
+
+from scenes.errors import InputError
+from scenes.frame import write_text
+from scenes.suite import Budget
+
+SCHEMA_VERSION = 1
+Verdict = Literal["pass", "fail", "inconclusive", "reported"]
+
+
+def _plain(value: float) -> float | None:
+    """JSON has no NaN or Inf: they are written as null."""
+    return value if value == value and abs(value) != float("inf") else None
+
+
+Figure = Annotated[
+    float,
+    BeforeValidator(lambda v: float("nan") if v is None else v),
+    PlainSerializer(_plain, when_used="json"),
+]
+Interval = tuple[Figure, Figure]
+NAN = float("nan")
+
+
+class Record(BaseModel):
+    """A part of results.json; unknown fields are refused."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class Row(Record):
+    """One object of one case: one candidate against one truth.
+
+    Errors are fractions (0.01 is 1 %), times are in milliseconds or seconds as named, intervals
+    are 95 %. A figure that could not be measured is null and `problem` says why.
+    """
+
+    case: str
+    scene: str
+    environment: str
+    object: str
+    material: str
+    roughness: float
+    metallic: float
+    weight: float
+    weight_g: float
+    technique: str
+    truth: str
+    ssim: Figure = NAN
+    ssim_ci95: Interval = (NAN, NAN)
+    ssim_raw: Figure = NAN
+    ssim_p5: Figure = NAN
+    ssim_highlights: Figure = NAN
+    energy_error: Figure = NAN
+    energy_ci95: Interval = (NAN, NAN)
+    energy_rgb: tuple[Figure, Figure, Figure] = (NAN, NAN, NAN)
+    energy_local: Figure = NAN
+    energy_local_ci95: Interval = (NAN, NAN)
+    relmse: Figure = NAN
+    relmse_median: Figure = NAN
+    flip: Figure = NAN
+    silhouette: Figure = NAN
+    nan_pixels: int = 0
+    inf_pixels: int = 0
+    negative_pixels: int = 0
+    pixels: int = 0
+    exposure: Figure = NAN
+    frame_ms: Figure = NAN
+    precomputation_ms: Figure = NAN
+    reference_seconds: Figure = NAN
+    reference_spp: int = 0
+    reference_batches: int = 0
+    budget: dict[str, float] = Field(default_factory=dict)
+    margins: dict[str, Figure] = Field(default_factory=dict)
+    verdict: Verdict = "reported"
+    problem: str = ""
+    note: str = ""
+
+
+class Missing(Record):
+    """A row that the suite asks for and the run did not give."""
+
+    case: str
+    object: str
+    technique: str
+    truth: str
+
+
+class CaseRecord(Record):
+    """Where the pictures of a case lie, relative to results.json.
+
+    `candidates` by technique; `truths` as two EXRs each, the means of two independent halves of
+    the batches, so that maps can be drawn without the reference's noise.
+    """
+
+    id: str
+    scene: str
+    environment: str
+    width: int
+    height: int
+    candidates: dict[str, str]
+    truths: dict[str, tuple[str, str]]
+
+
+class Results(Record):
+    """One run of a suite."""
+
+    schema_version: Literal[1] = SCHEMA_VERSION
+    suite: str
+    suite_path: str
+    description: str
+    command: str
+    created: str
+    seconds: Figure
+    provenance: dict[str, Any]
+    allow_inconclusive: bool
+    expected_rows: int
+    missing: list[Missing]
+    skipped: list[str]
+    cases: list[CaseRecord]
+    budgets: list[Budget]
+    rows: list[Row]
+    verdict: Literal["pass", "fail"]
+    reasons: list[str]
+
+
+def save_results(results: Results, path: Path) -> None:
+    """Write results.json whole or not at all."""
+    write_text(path, results.model_dump_json(indent=1) + "\n")
+
+
+def load_results(path: Path) -> Results:
+    """Read a results.json.
+
+    Raises:
+        InputError: it is missing, damaged, or of another schema version.
+    """
+    try:
+        return Results.model_validate_json(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(path, "", "cannot be read", "run `shadeproof compare` first") from error
+    except ValueError as error:
+        first = str(error).splitlines()[0]
+        raise InputError(path, "", f"is no results.json of schema {SCHEMA_VERSION} ({first})",
+                         "run `shadeproof compare` again") from error
