@@ -6,30 +6,39 @@ from functools import cache
 from pathlib import Path
 
 SHADERS = Path(__file__).parent / "shaders"
-_INCLUDE = re.compile(r'^#include "([\w.]+)"\s*$', re.MULTILINE)
+_INCLUDE = re.compile(r'^#include "([\w.]+)"[ \t]*$', re.MULTILINE)
 
 
-def source(name: str, defines: frozenset[str] = frozenset(), parts: Mapping[str, str] | None = None) -> str:
+def source(
+    text: str,
+    defines: frozenset[str] = frozenset(),
+    parts: Mapping[str, str] | None = None,
+    inline: bool = False,
+) -> str:
     """One shader as the driver gets it, each file included once.
 
     Args:
-        name: a file in renderer/shaders; without a #version line, 330 is put on top.
+        text: a file in renderer/shaders or, if `inline`, GLSL itself. Without a #version line,
+            330 is put on top.
         defines: names of features to #define after the #version line.
-        parts: stands-in for included names, such as {"shade.glsl": "shade_paper.glsl"}.
+        parts: stand-ins for included names, such as {"shade.glsl": "shade_paper.glsl"}.
     """
     seen: set[str] = set()
 
-    def expand(file: str) -> str:
-        file = (parts or {}).get(file, file)
-        if file in seen:
+    def include(name: str) -> str:
+        name = (parts or {}).get(name, name)
+        if name in seen:
             return ""
-        seen.add(file)
-        return _INCLUDE.sub(lambda m: expand(m[1]), _read(file))
+        seen.add(name)
+        return resolve(_read(name))
 
-    text = expand(name)
-    if not text.startswith("#version"):
-        text = "#version 330\n" + text
-    version, body = text.split("\n", 1)
+    def resolve(body: str) -> str:
+        return _INCLUDE.sub(lambda match: include(match[1]), body)
+
+    whole = resolve(text) if inline else include(text)
+    if not whole.startswith("#version"):
+        whole = "#version 330\n" + whole
+    version, body = whole.split("\n", 1)
     return "\n".join([version, *(f"#define {d}" for d in sorted(defines)), body])
 
 

@@ -10,7 +10,9 @@ def display(rgb: np.ndarray, exposure: float) -> np.ndarray:
     """Linear radiance (..., 3) to display values in [0, 1]: scale, clip, sRGB curve."""
     clipped = np.clip(np.asarray(rgb, np.float32) * np.float32(exposure), 0, 1)
     return np.where(
-        clipped <= 0.0031308, clipped * 12.92, 1.055 * np.maximum(clipped, 1e-6) ** (1 / 2.4) - 0.055
+        clipped <= 0.0031308,
+        clipped * 12.92,
+        1.055 * np.maximum(clipped, 1e-6) ** (1 / 2.4) - 0.055,
     ).astype(np.float32)
 
 

@@ -103,6 +103,7 @@ class CaseRecord(Record):
     environment: str
     width: int
     height: int
+    objects: list[str]
     candidates: dict[str, str]
     truths: dict[str, tuple[str, str]]
 
@@ -146,5 +147,9 @@ def load_results(path: Path) -> Results:
         raise InputError(path, "", "cannot be read", "run `shadeproof compare` first") from error
     except ValueError as error:
         first = str(error).splitlines()[0]
-        raise InputError(path, "", f"is no results.json of schema {SCHEMA_VERSION} ({first})",
-                         "run `shadeproof compare` again") from error
+        raise InputError(
+            path,
+            "",
+            f"is no results.json of schema {SCHEMA_VERSION} ({first})",
+            "run `shadeproof compare` again",
+        ) from error

@@ -44,7 +44,9 @@ def load_environment(path: Path) -> RadianceMap:
         raise InputError(path, "environment", "is 1 texel wide", "give at least 2x1 texels")
     if not (finite := np.isfinite(pixels)).all():
         row, column = np.argwhere(~finite.all(axis=2))[0]
-        problem = f"{int((~finite).sum())} values are NaN or Inf, first at row {row}, column {column}"
+        problem = (
+            f"{int((~finite).sum())} values are NaN or Inf, first at row {row}, column {column}"
+        )
         raise InputError(path, "environment", problem, "repair or re-export the map")
     negatives = int((pixels < 0).sum())
     return RadianceMap(np.maximum(pixels, 0), negatives)

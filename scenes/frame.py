@@ -59,7 +59,9 @@ def save_frame(frame: Frame, path: Path) -> None:
         write_text(path.with_suffix(".json"), json.dumps(record, indent=1))
     except OSError as error:
         aside.unlink(missing_ok=True)
-        raise InputError(path, "", f"cannot be written ({error})", "free or choose a folder") from error
+        raise InputError(
+            path, "", f"cannot be written ({error})", "free or choose a folder"
+        ) from error
 
 
 def load_frame(path: Path) -> Frame:
@@ -97,4 +99,6 @@ def write_text(path: Path, text: str) -> None:
         os.replace(aside, path)
     except OSError as error:
         aside.unlink(missing_ok=True)
-        raise InputError(path, "", f"cannot be written ({error})", "free or choose a folder") from error
+        raise InputError(
+            path, "", f"cannot be written ({error})", "free or choose a folder"
+        ) from error

@@ -182,13 +182,19 @@ def expand(suite: Suite, path: Path) -> list[Entry]:
         InputError: a scene, environment, mesh or material is missing or invalid.
     """
     entries = [
-        Entry(case=case, truths=run.truths or suite.truths, techniques=run.techniques or suite.techniques)
+        Entry(
+            case=case,
+            truths=run.truths or suite.truths,
+            techniques=run.techniques or suite.techniques,
+        )
         for number, run in enumerate(suite.run)
         for case in _cases(suite, run, path, f"run.{number}")
     ]
     ids = [e.case.id for e in entries]
     if twice := {i for i in ids if ids.count(i) > 1}:
-        raise InputError(path, "run", f"two runs make the case '{min(twice)}'", "remove one of them")
+        raise InputError(
+            path, "run", f"two runs make the case '{min(twice)}'", "remove one of them"
+        )
     return entries
 
 
@@ -199,12 +205,19 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
     width, height = run.resolution or scene.resolution
     axes = [(axis, getattr(run.sweep, axis)) for axis in AXES if getattr(run.sweep, axis)]
     crossing = itertools.product(
-        run.environments, run.materials or (None,), itertools.product(*(values for _, values in axes))
+        run.environments,
+        run.materials or (None,),
+        itertools.product(*(values for _, values in axes)),
     )
     cases = []
     for light, material, values in crossing:
         light_path = _find(
-            light, HERE / "environments", ENVIRONMENT_FORMATS, path.parent, path, f"{field}.environments"
+            light,
+            HERE / "environments",
+            ENVIRONMENT_FORMATS,
+            path.parent,
+            path,
+            f"{field}.environments",
         )
         changes = {axis: value for (axis, _), value in zip(axes, values, strict=True)}
         parts = [scene_path.stem, light_path.stem]
@@ -217,7 +230,9 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
         fields = {
             "id": ".".join(parts),
             "scene": scene_path.stem,
-            "environment": Environment(name=light_path.stem, path=light_path, rotation=run.rotation),
+            "environment": Environment(
+                name=light_path.stem, path=light_path, rotation=run.rotation
+            ),
             "camera": scene.camera,
             "width": width,
             "height": height,
@@ -240,7 +255,7 @@ def _object(
     """One object with its material found, changed and validated."""
     table = {"use": entry.material} if isinstance(entry.material, str) else dict(entry.material)
     if "use" not in table:
-        raise InputError(scene_path, f"{field}.material", "names no material", "add use = \"name\"")
+        raise InputError(scene_path, f"{field}.material", "names no material", 'add use = "name"')
     use, home = table.pop("use"), scene_path
     if not entry.fixed:
         table |= changes
@@ -253,7 +268,11 @@ def _object(
     material = parse(Material, {**raw, **table, "name": found.stem}, found, scene_path, field)
     mesh = entry.mesh
     if mesh not in PRIMITIVES:
-        mesh = str(_find(mesh, HERE / "meshes", MESH_FORMATS, scene_path.parent, scene_path, f"{field}.mesh"))
+        mesh = str(
+            _find(
+                mesh, HERE / "meshes", MESH_FORMATS, scene_path.parent, scene_path, f"{field}.mesh"
+            )
+        )
     fields = entry.model_dump(exclude={"material", "mesh", "fixed"})
     return parse(Object, {**fields, "mesh": mesh, "material": material}, scene_path)
 
@@ -271,7 +290,9 @@ def _find(
         if (path := shelf / f"{name}{ending}").is_file():
             return path
     known = sorted({p.stem for e in endings for p in shelf.glob(f"*{e}")})
-    raise InputError(where, field, f"unknown name '{name}'", f"use one of {', '.join(known)}, or a path")
+    raise InputError(
+        where, field, f"unknown name '{name}'", f"use one of {', '.join(known)}, or a path"
+    )
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -283,7 +304,9 @@ def read_toml(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(path, "", f"cannot be read ({error.strerror})", "check the path") from error
+        raise InputError(
+            path, "", f"cannot be read ({error.strerror})", "check the path"
+        ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(path, "", f"is not TOML ({error})", "mend the syntax") from error
 
@@ -303,8 +326,10 @@ def parse(kind: type, fields: dict[str, Any], path: Path, user: Path | None = No
         problem = first["msg"].removeprefix("Value error, ")
         if first["type"] == "extra_forbidden":
             problem = "unknown field"
-            remedy = f"use one of {', '.join(sorted(kind.model_fields))}" if len(first["loc"]) == 1 else (
-                "see scenes/FORMAT.md"
+            remedy = (
+                f"use one of {', '.join(sorted(kind.model_fields))}"
+                if len(first["loc"]) == 1
+                else ("see scenes/FORMAT.md")
             )
         elif first["type"] == "missing":
             problem, remedy = "is missing", "add it (scenes/FORMAT.md lists the fields)"

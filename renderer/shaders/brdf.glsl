@@ -5,10 +5,12 @@
 // Cook-Torrance with kd = 1 - F(h.wi): the paper's eq. 3. Returns f, (sr^-1), without the cosine.
 vec3 brdf(vec3 wi, vec3 wo, Material m) {
     if (wi.z <= 0.0 || wo.z <= 0.0) return vec3(0.0);
-    vec3 h = normalize(wi + wo);
-    vec3 F = F_schlick(m.f0, dot(wi, h));
+    // wo.h is half the length of wi + wo: their dot product would cancel where both graze.
+    float wo_h = 0.5 * length(wi + wo);
+    vec3 h = (wi + wo) / (2.0 * wo_h);
+    vec3 F = F_schlick(m.f0, wo_h);
     float D = D_mixture(h, m.alpha, m.weight_d);
-    float G = G_mixture(wi, wo, h, m.alpha, m.weight_g);
+    float G = G_mixture(wi, wo, h, wo_h, m.alpha, m.weight_g);
     vec3 f = F * (D * G / (4.0 * wi.z * wo.z));
 #ifdef DIFFUSE
     f += (1.0 - F) * m.albedo * INV_PI;

@@ -19,7 +19,7 @@ void main() {
         float wo_h = dot(wo, h);
         if (wi.z <= 0.0 || wo_h <= 0.0) continue;
         float m = 1.0 - wo_h, fc = m * m * m * m * m;
-        vec2 G = vec2(G_smith(wi, wo, h, alpha), G_vcavity(wi, wo, h));
+        vec2 G = vec2(G_smith(wi, wo, alpha), G_vcavity(wi, wo, h, wo_h));
         // D cancels against the density D h.z / (4 wo.h).
         vec4 term = (G * wo_h / (h.z * wo.z)).xxyy * vec4(1.0 - fc, fc, 1.0 - fc, fc);
         float t = dot(h.xy, h.xy) / (alpha * alpha * h.z * h.z);

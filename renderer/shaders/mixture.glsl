@@ -1,18 +1,10 @@
-// The paper's mixtures, eq. 8 and 9: D = sum w_i D_i, G = sum w_j G_j over GGX and Beckmann.
-// x is the share of GGX, y that of Beckmann; a lobe that no weight asks for is not compiled.
-#ifdef D_GGX
 #include "ndf_ggx.glsl"
-#endif
-#ifdef D_BECKMANN
 #include "ndf_beckmann.glsl"
-#endif
-#ifdef G_GGX
 #include "masking_smith.glsl"
-#endif
-#ifdef G_BECKMANN
 #include "masking_vcavity.glsl"
-#endif
 
+// The paper's mixtures, eq. 8 and 9: D = sum w_i D_i, G = sum w_j G_j over GGX and Beckmann.
+// x is the share of GGX, y that of Beckmann; a lobe that no weight asks for is not compiled in.
 float D_mixture(vec3 h, float alpha, vec2 weight) {
     float D = 0.0;
 #ifdef D_GGX
@@ -24,13 +16,13 @@ float D_mixture(vec3 h, float alpha, vec2 weight) {
     return D;
 }
 
-float G_mixture(vec3 wi, vec3 wo, vec3 h, float alpha, vec2 weight) {
+float G_mixture(vec3 wi, vec3 wo, vec3 h, float wo_h, float alpha, vec2 weight) {
     float G = 0.0;
 #ifdef G_GGX
-    G += weight.x * G_smith(wi, wo, h, alpha);
+    G += weight.x * G_smith(wi, wo, alpha);
 #endif
 #ifdef G_BECKMANN
-    G += weight.y * G_vcavity(wi, wo, h);
+    G += weight.y * G_vcavity(wi, wo, h, wo_h);
 #endif
     return G;
 }

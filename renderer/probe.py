@@ -1,0 +1,87 @@
+"""Run one shader function over arrays of inputs: the real GLSL, for tests and checks."""
+
+import math
+
+import numpy as np
+
+from renderer.context import context
+from renderer.features import lobes
+from renderer.glsl import source
+from renderer.program import fill, set_uniforms
+from scenes.schema import Material
+
+WIDTH = 1024
+
+
+def probe(
+    expression: str,
+    inputs: dict[str, np.ndarray],
+    includes: tuple[str, ...],
+    defines: frozenset[str] = frozenset(),
+    uniforms: dict | None = None,
+    declarations: str = "",
+) -> np.ndarray:
+    """Evaluate a GLSL expression of type vec4 for every row of the inputs.
+
+    Args:
+        expression: GLSL; each input is in scope as a vec4 of its name, missing parts 0.
+        inputs: (n,) or (n, 1..4) arrays, given to the shader as float32.
+        includes: shader files that the expression needs.
+        declarations: further GLSL before main, such as uniforms.
+
+    Returns:
+        (n, 4) float32.
+    """
+    gl = context()
+    count = len(next(iter(inputs.values())))
+    size = (WIDTH, math.ceil(count / WIDTH))
+    fetches, samplers, textures = [], [], []
+    for unit, (name, values) in enumerate(inputs.items()):
+        columns = np.asarray(values, np.float32).reshape(count, -1)
+        padded = np.zeros((size[0] * size[1], 4), np.float32)
+        padded[:count, : columns.shape[1]] = columns
+        textures.append(gl.texture(size, 4, padded.tobytes(), dtype="f4"))
+        textures[-1].use(unit)
+        samplers.append(f"uniform sampler2D input_{name};")
+        fetches.append(f"vec4 {name} = texelFetch(input_{name}, ivec2(gl_FragCoord.xy), 0);")
+    body = "\n".join(
+        [
+            *samplers,
+            declarations,
+            "layout(location = 0) out vec4 probed;",
+            f"void main() {{ {' '.join(fetches)} probed = {expression}; }}",
+        ]
+    )
+    included = "\n".join(f'#include "{name}"' for name in includes)
+    shader = gl.program(
+        vertex_shader=source("fullscreen.vert"),
+        fragment_shader=source(f"{included}\n{body}", defines, inline=True),
+    )
+    set_uniforms(shader, **{f"input_{name}": unit for unit, name in enumerate(inputs)})
+    set_uniforms(shader, **(uniforms or {}))
+    target = gl.texture(size, 4, dtype="f4")
+    framebuffer = gl.framebuffer([target])
+    gl.enable_only(0)
+    fill(framebuffer, shader)
+    values = np.frombuffer(target.read(), np.float32).reshape(-1, 4)[:count].copy()
+    for used in (*textures, target, framebuffer, shader):
+        used.release()
+    return values
+
+
+def brdf_values(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """The renderer's f(wi, wo) without the cosine, (n, 3), for unit directions (n, 3), n = +z."""
+    return probe(
+        "vec4(brdf(wi.xyz, wo.xyz, Material(albedo, f0, alpha, weight_d, weight_g)), 0.0)",
+        {"wi": wi, "wo": wo},
+        ("brdf.glsl",),
+        lobes(material),
+        {
+            "albedo": material.diffuse_albedo,
+            "f0": material.specular_f0,
+            "alpha": material.alpha,
+            "weight_d": (material.weight, 1 - material.weight),
+            "weight_g": (material.masking_weight, 1 - material.masking_weight),
+        },
+        "uniform vec3 albedo, f0; uniform float alpha; uniform vec2 weight_d, weight_g;",
+    )[:, :3]

@@ -1,0 +1,199 @@
+"""The command `shadeproof`: options in, exit code out (0 good, 1 gate failed, 2 could not work)."""
+
+import shlex
+import sys
+import traceback
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from scenes.errors import InputError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    help="How far is a real-time renderer from the truth, per material and mixture weight?",
+)
+console = Console(highlight=False)
+
+SuiteOption = Annotated[
+    str, typer.Option("--suite", help="A suite's name, or the path of its .toml.")
+]
+OutOption = Annotated[Path, typer.Option("--out", help="Where results, frames and the report go.")]
+StoreOption = Annotated[Path, typer.Option("--store", help="Where references are kept.")]
+FilterOption = Annotated[
+    str, typer.Option("--filter", help="Only cases whose name holds or matches this.")
+]
+CandidateOption = Annotated[
+    str,
+    typer.Option(help="Judge this instead: a folder of EXRs, or a command with {case} and {out}."),
+]
+TimeoutOption = Annotated[
+    float, typer.Option(min=0.1, help="Seconds that a candidate command may take.")
+]
+OUT, STORE = Path("reports/out"), Path("reports/references")
+
+
+@app.command()
+def compare(
+    suite: SuiteOption = "default",
+    out: OutOption = OUT,
+    store: StoreOption = STORE,
+    filter: FilterOption = "",
+    candidate: CandidateOption = "",
+    timeout: TimeoutOption = 600,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would be done, do nothing.")
+    ] = False,
+    list_cases: Annotated[
+        bool, typer.Option("--list", help="Print the names of the cases.")
+    ] = False,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print the results as JSON, nothing else.")
+    ] = False,
+) -> None:
+    """Draw a suite with both renderers and report how far apart they are."""
+    job = _job(suite, out, store, filter, candidate, timeout)
+    if list_cases:
+        for entry in job.entries:
+            typer.echo(entry.case.id)
+        return
+    if dry_run:
+        _print_plan(job)
+        return
+    _compare(job, json)
+
+
+@app.command()
+def gate(
+    suite: SuiteOption = "default",
+    out: OutOption = OUT,
+    store: StoreOption = STORE,
+    filter: FilterOption = "",
+    candidate: CandidateOption = "",
+    timeout: TimeoutOption = 600,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print the results as JSON, nothing else.")
+    ] = False,
+) -> None:
+    """Compare, and exit with 1 unless every row meets its budget."""
+    results = _compare(_job(suite, out, store, filter, candidate, timeout), json)
+    raise typer.Exit(0 if results.verdict == "pass" else 1)
+
+
+@app.command()
+def report(out: OutOption = OUT) -> None:
+    """Write report.html again from the results in a folder."""
+    from reports.html import write_report
+    from reports.results import load_results
+
+    console.print(
+        f"report: {write_report(load_results(out / 'results.json'), out)}", soft_wrap=True
+    )
+
+
+@app.command()
+def references(
+    suite: SuiteOption = "default",
+    store: StoreOption = STORE,
+    filter: FilterOption = "",
+    samples: Annotated[int, typer.Option(min=1, help="Samples per pixel to reach.")] = 256,
+) -> None:
+    """Path-trace the references of a suite ahead of time and keep them."""
+    from reports.run import references as make
+
+    for case, truth, spp, seconds in make(_job(suite, OUT, store, filter), samples):
+        console.print(
+            f"{case:40} {truth:12} {spp:6} samples per pixel {seconds:8.1f} s", soft_wrap=True
+        )
+
+
+@app.command()
+def bench(
+    suite: SuiteOption = "bench",
+    filter: FilterOption = "",
+    store: StoreOption = STORE,
+) -> None:
+    """Time every technique of a suite beside one path-traced sample per pixel."""
+    from reports.run import bench as measure
+    from reports.speed import print_timings
+
+    print_timings(measure(_job(suite, OUT, store, filter)), console)
+
+
+@app.command()
+def stability() -> None:
+    """Hold the shaders' BRDF against double precision and Mitsuba, direction by direction."""
+    from reports.run import stability as measure
+
+    found = measure()
+    for a in found:
+        mark = "[green]ok[/]  " if a.passed else "[red]off[/] "
+        place = ", ".join(f"{x:.7g}" for x in (*a.wi, *a.wo))
+        console.print(
+            f"{mark} alpha {a.alpha:<5g} GGX share {a.weight:<5g} beside {a.beside:16} "
+            f"worst {a.worst:.1e} at wi, wo = {place}",
+            soft_wrap=True,
+        )
+    raise typer.Exit(0 if all(a.passed for a in found) else 1)
+
+
+def _job(
+    suite: str, out: Path, store: Path, filter: str, candidate: str = "", timeout: float = 600
+):
+    from reports.candidates import outside_candidate
+    from reports.run import Job
+
+    outside = outside_candidate(candidate, timeout) if candidate else None
+    command = shlex.join(["shadeproof", *sys.argv[1:]])
+    return Job(suite, out, store, filter, outside, command)
+
+
+def _compare(job, json: bool):
+    """Run a job, write everything that it gives, and say the verdict."""
+    from reports.ci import annotate, write_junit
+    from reports.html import write_report
+    from reports.results import save_results
+    from reports.run import run
+    from reports.terminal import print_results
+
+    results = run(job)
+    page = write_report(results, job.out)
+    write_junit(results, job.out / "junit.xml")
+    annotate(results, job.out / "summary.md")
+    save_results(results, job.out / "results.json")
+    if json:
+        typer.echo(results.model_dump_json(indent=1))
+    else:
+        print_results(results, console)
+        console.print(f"report: {page.resolve()}", soft_wrap=True)
+    return results
+
+
+def _print_plan(job) -> None:
+    from reports.run import plan
+
+    for line in plan(job):
+        typer.echo(line)
+
+
+def main() -> None:
+    """Entry point: every failure that is not a verdict ends in one line and exit code 2."""
+    try:
+        app()
+    except InputError as error:
+        Console(stderr=True, highlight=False).print(f"error: {error}", markup=False, soft_wrap=True)
+        sys.exit(2)
+    except Exception as error:
+        traceback.print_exc()
+        print(
+            f"error: this is a bug in shadeproof: {type(error).__name__}: {error}", file=sys.stderr
+        )
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,96 @@
+"""Comparison: one candidate against one truth, object by object."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from reports.display import exposure_for
+from reports.metrics import METRICS
+from reports.metrics.subject import Subject, TruthView, crop_of
+from scenes.frame import Frame
+from scenes.schema import Case, Object
+
+
+class Truth:
+    """A truth of a case: its batches, and each judged object cut out of them.
+
+    Args:
+        case: what was drawn.
+        batches: at least one Frame with ids, all of one size.
+        exposures: display scale by object name (`exposures_of` the `global` truth).
+    """
+
+    def __init__(self, case: Case, batches: list[Frame], exposures: dict[str, float]) -> None:
+        self.ids = batches[0].ids
+        self.crops, self.views = {}, {}
+        for obj in case.judged:
+            mask = self.ids == case.index(obj.name)
+            if not mask.any():
+                continue
+            crop = self.crops[obj.name] = crop_of(mask)
+            pixels = np.stack([batch.rgb[crop] for batch in batches])
+            self.views[obj.name] = TruthView(pixels, mask[crop], exposures[obj.name])
+
+
+def exposures_of(case: Case, batches: list[Frame]) -> dict[str, float]:
+    """The display scale of each judged object, from the first 8 batches of a truth.
+
+    Only the first, so that a reference that grows keeps its exposure.
+    """
+    mean = np.mean([b.rgb for b in batches[:8]], axis=0)
+    return {o.name: exposure_for(mean, batches[0].ids == case.index(o.name)) for o in case.judged}
+
+
+def compare(case: Case, candidate: Frame, truth: Truth) -> Iterator[tuple[Object, dict[str, Any]]]:
+    """The figures of every judged object, as fields of reports.results.Row.
+
+    A picture that cannot be measured gives only `problem` and the counts that explain it.
+    """
+    for obj in case.judged:
+        view = truth.views.get(obj.name)
+        if view is None:
+            yield obj, {"problem": "the object covers no pixel of the truth"}
+            continue
+        if candidate.rgb.shape[:2] != truth.ids.shape:
+            got, want = candidate.rgb.shape[1::-1], truth.ids.shape[::-1]
+            yield obj, {"problem": f"is {got[0]}x{got[1]} pixels, not {want[0]}x{want[1]}"}
+            continue
+        pixels = candidate.rgb[truth.crops[obj.name]]
+        fields = _counts(pixels[view.mask]) | {"exposure": view.exposure}
+        if candidate.ids is not None:
+            fields["silhouette"] = _overlap(candidate.ids, truth.ids, case.index(obj.name))
+        if problem := _unusable(pixels, fields, view):
+            yield obj, fields | {"problem": problem}
+            continue
+        subject = Subject(pixels, view)
+        for figures in METRICS:
+            fields |= figures(subject)
+        yield obj, fields
+
+
+def _counts(pixels: np.ndarray) -> dict[str, int]:
+    """How many of the object's pixels (p, 3) hold NaN, Inf or a negative value."""
+    return {
+        "pixels": len(pixels),
+        "nan_pixels": int(np.isnan(pixels).any(axis=1).sum()),
+        "inf_pixels": int(np.isinf(pixels).any(axis=1).sum()),
+        "negative_pixels": int((pixels < 0).any(axis=1).sum()),
+    }
+
+
+def _unusable(pixels: np.ndarray, counts: dict[str, int], view: TruthView) -> str:
+    """Why an object's pixels cannot be measured, or nothing."""
+    if counts["nan_pixels"] or counts["inf_pixels"]:
+        return f"{counts['nan_pixels']} pixels hold NaN and {counts['inf_pixels']} Inf"
+    if not np.isfinite(pixels).all():
+        return "pixels beside the object hold NaN or Inf"
+    if np.ptp(pixels[view.mask]) == 0 and np.ptp(view.mean[view.mask]) > 0:
+        return "is blank where the truth is not"
+    return ""
+
+
+def _overlap(ours: np.ndarray, theirs: np.ndarray, number: int) -> float:
+    """Intersection over union of one object's mask in two id pictures."""
+    a, b = ours == number, theirs == number
+    return float((a & b).sum() / max((a | b).sum(), 1))

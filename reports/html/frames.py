@@ -1,0 +1,90 @@
+"""The frames of one case, read from disk, and one object cut out of them."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from reports.display import exposure_for
+from reports.metrics.subject import Subject, TruthView, crop_of
+from reports.results import CaseRecord, Row
+from scenes.errors import InputError
+from scenes.frame import Frame, load_frame
+
+
+class PictureError(Exception):
+    """A picture that cannot be shown, and why."""
+
+
+@dataclass
+class CaseFrames:
+    """A case's frames by the names of its record; each is read once."""
+
+    record: CaseRecord
+    folder: Path
+    _read: dict[str, Frame] = field(default_factory=dict)
+    _views: dict[tuple[str, str], TruthView] = field(default_factory=dict)
+
+    def candidate(self, technique: str) -> np.ndarray:
+        """Linear radiance (h, w, 3).
+
+        Raises:
+            PictureError: there is no such picture.
+        """
+        if technique not in self.record.candidates:
+            raise PictureError(f"{technique} gave no picture of this case")
+        return self._frame(self.record.candidates[technique]).rgb
+
+    def halves(self, truth: str) -> np.ndarray:
+        """The means of two independent halves of a truth's batches, (2, h, w, 3)."""
+        if truth not in self.record.truths:
+            raise PictureError(f"there is no reference '{truth}' of this case")
+        a, b = (self._frame(path).rgb for path in self.record.truths[truth])
+        return np.stack([a, b])
+
+    def truth(self, truth: str) -> np.ndarray:
+        """Linear radiance (h, w, 3), the mean of both halves."""
+        return self.halves(truth).mean(axis=0)
+
+    def mask(self, truth: str, name: str) -> np.ndarray:
+        """The pixels (h, w) of an object in a truth."""
+        self.halves(truth)
+        ids = self._frame(self.record.truths[truth][0]).ids
+        if ids is None:
+            raise PictureError("the reference carries no mask of its objects")
+        if name not in self.record.objects:
+            raise PictureError(f"the case has no object '{name}'")
+        return ids == 1 + self.record.objects.index(name)
+
+    @cached_property
+    def exposure(self) -> float:
+        """One display scale for the whole case, by all objects in `global` or the first truth."""
+        names = sorted(self.record.truths, key=lambda name: name != "global")
+        if not names:
+            return 1.0
+        masks = [self.mask(names[0], name) for name in self.record.objects]
+        return exposure_for(self.truth(names[0]), np.any(masks, axis=0))
+
+    def subject(self, row: Row) -> tuple[Subject, tuple[slice, slice]]:
+        """What the metrics saw of a row's object, and where in the picture that lies."""
+        candidate = self.candidate(row.technique)
+        mask, halves = self.mask(row.truth, row.object), self.halves(row.truth)
+        if candidate.shape != halves.shape[1:]:
+            raise PictureError("candidate and reference differ in size")
+        if not mask.any():
+            raise PictureError(f"'{row.object}' covers no pixel")
+        crop = crop_of(mask)
+        if (row.truth, row.object) not in self._views:  # shared by techniques, with its moments
+            exposure = row.exposure if row.exposure > 0 else self.exposure
+            view = TruthView(halves[:, *crop], mask[crop], exposure)
+            self._views[row.truth, row.object] = view
+        return Subject(candidate[crop], self._views[row.truth, row.object]), crop
+
+    def _frame(self, path: str) -> Frame:
+        if path not in self._read:
+            try:
+                self._read[path] = load_frame(self.folder / path)
+            except InputError as error:
+                raise PictureError(f"{path}: {error.problem}") from error
+        return self._read[path]

@@ -1,0 +1,151 @@
+"""What the report shows of frames: pictures at one exposure and maps on fixed scales."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from reports.html.colour import SIGNED, SIMILARITY, Scale
+from reports.html.frames import CaseFrames, PictureError
+from reports.html.png import colour_map, picture
+from reports.metrics.energy import block_errors
+from reports.metrics.ssim import ssim_map
+from reports.metrics.subject import Subject
+from reports.results import Row
+
+CLOSE_UP = 2.1  # width over height, so that three stand in a row on the first screen
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One image of a case, or why there is none.
+
+    Attributes:
+        kind: a key of page.KINDS.
+        technique, truth: what it depends on; empty where it does not.
+        uri: a PNG as data URI, empty where there is a problem.
+        size: width and height in pixels.
+    """
+
+    kind: str
+    technique: str
+    truth: str
+    uri: str
+    size: tuple[int, int]
+    problem: str = ""
+
+
+def pixel_errors(subject: Subject) -> np.ndarray:
+    """Signed relative error per pixel (h, w), mean of R, G and B, with the noise left in.
+
+    Divided by the truth, or by 1 % of the object's mean where the truth is darker than that.
+    """
+    truth, mask = subject.truth.mean.mean(axis=2), subject.truth.mask
+    floor = max(0.01 * float(truth[mask].mean()), 1e-30)
+    return (subject.candidate.mean(axis=2) - truth) / np.maximum(truth, floor)
+
+
+def similarity(subject: Subject) -> np.ndarray:
+    """SSIM per pixel (h, w), mean over channels."""
+    return ssim_map(subject, subject.truth.exposure).mean(axis=2)
+
+
+MAPS: dict[str, tuple[Callable[[Subject], np.ndarray], Scale]] = {
+    "signed": (pixel_errors, SIGNED),
+    "blocks": (block_errors, SIGNED),
+    "ssim": (similarity, SIMILARITY),
+}
+
+
+def case_pictures(frames: CaseFrames, rows: list[Row]) -> list[Picture]:
+    """Every picture of a case: candidates, truths, and the maps of each pair of them.
+
+    Args:
+        rows: the rows of this case; they say which pairs and which objects there are.
+    """
+    size = frames.record.width, frames.record.height
+    techniques = list(dict.fromkeys([*frames.record.candidates, *(r.technique for r in rows)]))
+    truths = list(dict.fromkeys([*frames.record.truths, *(r.truth for r in rows)]))
+    pictures = [
+        _made("candidate", t, "", size, lambda t=t: picture(frames.candidate(t), frames.exposure))
+        for t in techniques
+    ]
+    pictures += [
+        _made("truth", "", t, size, lambda t=t: picture(frames.truth(t), frames.exposure))
+        for t in truths
+    ]
+    for technique, truth in dict.fromkeys((r.technique, r.truth) for r in rows):
+        pair = [r for r in rows if (r.technique, r.truth) == (technique, truth)]
+        for kind in MAPS:
+            make = lambda kind=kind, pair=pair: _map(frames, pair, kind)  # noqa: E731
+            pictures.append(_made(kind, technique, truth, size, make))
+    return pictures
+
+
+def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:
+    """Candidate, truth and signed error around one row's object, at the object's exposure."""
+    try:
+        mask = frames.mask(row.truth, row.object)
+        window = _window(mask)
+        exposure = row.exposure if row.exposure > 0 else frames.exposure
+    except (PictureError, IndexError) as error:
+        window, exposure, reason = None, 1.0, str(error) or "the object covers no pixel"
+
+    def shown(kind: str) -> str:
+        if window is None:
+            raise PictureError(reason)
+        if kind == "signed":
+            return _map(frames, [row], kind, window)
+        whole = frames.candidate(row.technique) if kind == "candidate" else frames.truth(row.truth)
+        return picture(whole[window], exposure)
+
+    size = _size(window) if window else (0, 0)
+    return [
+        _made(kind, row.technique, row.truth, size, lambda kind=kind: shown(kind))
+        for kind in ("candidate", "truth", "signed")
+    ]
+
+
+def _map(
+    frames: CaseFrames, rows: list[Row], kind: str, window: tuple[slice, slice] = np.s_[:, :]
+) -> str:
+    """One map over the objects of all rows, which share a technique and a truth."""
+    compute, scale = MAPS[kind]
+    shape = frames.record.height, frames.record.width
+    values, inside = np.full(shape, np.nan, np.float32), np.zeros(shape, bool)
+    for row in rows:
+        subject, crop = frames.subject(row)
+        mask = subject.truth.mask
+        values[crop][mask], inside[crop][mask] = compute(subject)[mask], True
+    return colour_map(values[window], inside[window], scale)
+
+
+def _made(
+    kind: str, technique: str, truth: str, size: tuple[int, int], make: Callable[[], str]
+) -> Picture:
+    """The picture, or its absence with the reason."""
+    try:
+        return Picture(kind, technique, truth, make(), size)
+    except PictureError as error:
+        return Picture(kind, technique, truth, "", size, str(error))
+
+
+def _window(mask: np.ndarray) -> tuple[slice, slice]:
+    """A window of CLOSE_UP's shape around a mask (H, W), or as much of it as the picture has."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    height = max(1.15 * (np.ptp(rows) + 1), 1.15 * (np.ptp(columns) + 1) / CLOSE_UP)
+    spans = []
+    for length, middle, total in zip(
+        (height, height * CLOSE_UP),
+        ((rows[0] + rows[-1] + 1) / 2, (columns[0] + columns[-1] + 1) / 2),
+        mask.shape,
+        strict=True,
+    ):
+        length = min(round(length), total)
+        start = min(max(round(middle - length / 2), 0), total - length)
+        spans.append(slice(start, start + length))
+    return spans[0], spans[1]
+
+
+def _size(window: tuple[slice, slice]) -> tuple[int, int]:
+    return window[1].stop - window[1].start, window[0].stop - window[0].start

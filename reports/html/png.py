@@ -1,0 +1,34 @@
+"""Pixels to PNG data URIs."""
+
+import base64
+import io
+
+import numpy as np
+from PIL import Image
+
+from reports.display import display
+from reports.html.colour import NOT_A_NUMBER, Scale
+
+
+def picture(rgb: np.ndarray, exposure: float) -> str:
+    """Linear radiance (h, w, 3) as people see it; pixels that are no numbers are magenta."""
+    finite = np.isfinite(rgb).all(axis=2)
+    shown = np.round(display(np.where(finite[..., None], rgb, 0), exposure) * 255).astype(np.uint8)
+    shown[~finite] = NOT_A_NUMBER
+    return _uri(Image.fromarray(shown))
+
+
+def colour_map(values: np.ndarray, inside: np.ndarray, scale: Scale) -> str:
+    """Values (h, w) on a colour scale; clear outside, magenta where a value inside is NaN."""
+    indices = scale.indices(values) + np.uint8(2)
+    indices[~np.isfinite(values)] = 1
+    indices[~inside] = 0
+    image = Image.fromarray(indices, mode=None).convert("P")
+    image.putpalette([0, 0, 0, *NOT_A_NUMBER, *scale.colours.ravel().tolist()])
+    return _uri(image, transparency=0)
+
+
+def _uri(image: Image.Image, **options: int) -> str:
+    data = io.BytesIO()
+    image.save(data, "PNG", compress_level=9, **options)
+    return "data:image/png;base64," + base64.b64encode(data.getvalue()).decode("ascii")

@@ -1,0 +1,332 @@
+"""The whole job, from a suite to results: the only file that knows both renderers."""
+
+import datetime
+import fnmatch
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reference.batches import grow
+from reference.mixture import brdf_values as mixture_values
+from reference.store import Store
+from reference.timing import seconds_per_sample
+from renderer import probe
+from renderer.context import device
+from renderer.draw import Renderer
+from renderer.features import technique
+from reports import gate, parity
+from reports.candidates import Candidate, CandidateError
+from reports.compare import Truth, compare, exposures_of
+from reports.progress import Reporter, reporting
+from reports.results import CaseRecord, Missing, Results, Row
+from reports.speed import Timing
+from reports.stability import Agreement, agreement, directions, materials, oracle
+from scenes.errors import InputError
+from scenes.frame import Frame, save_frame
+from scenes.schema import Case, Object
+from scenes.suite import Entry, Suite, expand, load_suite
+
+OUTSIDE = "candidate"  # the technique under which an outside candidate's rows stand
+PACKAGES = ("mitsuba", "drjit", "moderngl", "numpy", "scipy", "scikit-image", "flip-evaluator")
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to run: a suite, which of its cases, with which candidates, and where to."""
+
+    suite_name: str
+    out: Path
+    store: Path
+    filter: str = ""
+    outside: Candidate | None = None
+    command: str = ""
+    suite: Suite = field(init=False)
+    path: Path = field(init=False)
+    entries: list[Entry] = field(init=False)
+
+    def __post_init__(self) -> None:
+        suite, path = load_suite(self.suite_name)
+        entries = [e for e in expand(suite, path) if _matches(e.case.id, self.filter)]
+        if not entries:
+            raise InputError(
+                "--filter", self.filter, "no case matches", "see `--list` for their names"
+            )
+        for name in {t for e in entries for t in e.techniques}:
+            try:
+                technique(name)
+            except ValueError as error:
+                raise InputError(path, "techniques", str(error), "use a known technique") from error
+        object.__setattr__(self, "suite", suite)
+        object.__setattr__(self, "path", path)
+        object.__setattr__(self, "entries", entries)
+
+    def candidates(self, entry: Entry) -> dict[str, Candidate]:
+        """What draws an entry's case, by technique."""
+        if self.outside:
+            return {OUTSIDE: self.outside}
+        return {name: Renderer(technique(name)) for name in entry.techniques}
+
+    def expected(self) -> list[Missing]:
+        """Every row that the suite asks for."""
+        return [
+            Missing(case=e.case.id, object=o.name, technique=t, truth=truth)
+            for e in self.entries
+            for t in ([OUTSIDE] if self.outside else e.techniques)
+            for truth in e.truths
+            for o in e.case.judged
+        ]
+
+
+def run(job: Job) -> Results:
+    """Draw, path-trace and compare every case of a job, and judge it.
+
+    Frames are written to `job.out`; the results are returned, not written.
+    """
+    start = time.perf_counter()
+    rows: list[Row] = []
+    cases: list[CaseRecord] = []
+    checks = parity.Checks()
+    steps = sum(len(job.candidates(e)) + len(e.truths) for e in job.entries)
+    with reporting(steps) as report:
+        for entry in job.entries:
+            record, made = _run_entry(job, entry, report, checks)
+            cases.append(record)
+            rows += made
+    expected = job.expected()
+    results = Results(
+        suite=job.path.stem,
+        suite_path=str(job.path),
+        description=job.suite.description,
+        command=job.command,
+        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        seconds=time.perf_counter() - start,
+        provenance=_provenance() | {"parity": checks.verdicts()},
+        allow_inconclusive=job.suite.allow_inconclusive,
+        expected_rows=len(expected),
+        missing=gate.missing_rows(expected, rows),
+        skipped=[],
+        cases=cases,
+        budgets=list(job.suite.budget),
+        rows=rows,
+        verdict="fail",
+        reasons=[],
+    )
+    return gate.conclude(results)
+
+
+def _run_entry(
+    job: Job, entry: Entry, report: Reporter, checks: parity.Checks
+) -> tuple[CaseRecord, list[Row]]:
+    """One case: all its candidates, then truth by truth."""
+    case = entry.case
+    frames, failures = _draw(job, entry, report)
+    rows: list[Row] = []
+    exposures: dict[str, float] = {}
+    truths: dict[str, tuple[str, str]] = {}
+    # `global` first, since it sets the exposure for all.
+    for name in sorted(entry.truths, key=lambda t: t != "global"):
+        report.step(f"{case.id}: {name} by path tracing")
+        judged: list[Row] = []
+
+        def enough(batches: list[Frame], name: str = name) -> bool:
+            nonlocal exposures, judged
+            exposures = exposures or exposures_of(case, batches)
+            truth = Truth(case, batches, exposures)
+            judged = _rows(job, entry, name, truth, batches, frames, failures)
+            report.detail(f"{case.id}: {name}, {len(batches)} batches")
+            return all(r.verdict != "inconclusive" for r in judged)
+
+        batches = grow(case, name, job.suite.reference, enough, Store(job.store))
+        enough(batches)
+        rows += judged
+        truths[name] = _save_halves(job.out, case, name, batches)
+        for label, frame in frames.items():
+            checks.add(
+                case, label, name, frame, batches[0], [r for r in judged if r.technique == label]
+            )
+    candidates = {}
+    for label, frame in frames.items():
+        candidates[label] = f"frames/{case.id}/{label}.exr"
+        save_frame(frame, job.out / candidates[label])
+    record = CaseRecord(
+        id=case.id,
+        scene=case.scene,
+        environment=case.environment.name,
+        width=case.width,
+        height=case.height,
+        objects=[o.name for o in case.objects],
+        candidates=candidates,
+        truths=truths,
+    )
+    return record, rows
+
+
+def _draw(job: Job, entry: Entry, report: Reporter) -> tuple[dict[str, Frame], dict[str, str]]:
+    """The pictures of every candidate by technique, and why some gave none."""
+    frames, failures = {}, {}
+    for label, candidate in job.candidates(entry).items():
+        report.step(f"{entry.case.id}: {label}")
+        try:
+            frames[label] = candidate.render(entry.case)
+        except CandidateError as error:
+            failures[label] = str(error)
+    return frames, failures
+
+
+def _rows(
+    job: Job,
+    entry: Entry,
+    truth_name: str,
+    truth: Truth,
+    batches: list[Frame],
+    frames: dict[str, Frame],
+    failures: dict[str, str],
+) -> list[Row]:
+    """The judged rows of a case against one truth."""
+    rows = []
+    common = {
+        "truth": truth_name,
+        "reference_seconds": sum(b.seconds for b in batches),
+        "reference_spp": sum(b.provenance["samples"] for b in batches),
+        "reference_batches": len(batches),
+    }
+    for label, problem in failures.items():
+        for obj in entry.case.judged:
+            fields = _identity(entry.case, obj, label) | common | {"problem": problem}
+            rows.append(gate.judge(Row(**fields), list(job.suite.budget)))
+    for label, frame in frames.items():
+        times = {
+            "frame_ms": frame.seconds * 1e3,
+            "precomputation_ms": frame.provenance.get("precomputation_seconds", float("nan")) * 1e3,
+        }
+        for obj, figures in compare(entry.case, frame, truth):
+            fields = _identity(entry.case, obj, label) | common | times | figures
+            row = Row(**fields)
+            # The paper's model is not what `physical` draws: told, never judged (HOUSE rule).
+            rules = [] if truth_name == "physical" else list(job.suite.budget)
+            rows.append(gate.judge(row, rules))
+    return rows
+
+
+def _identity(case: Case, obj: Object, label: str) -> dict[str, Any]:
+    """The fields of a row that say what it is about."""
+    material = obj.material
+    return {
+        "case": case.id,
+        "scene": case.scene,
+        "environment": case.environment.name,
+        "object": obj.name,
+        "material": material.name,
+        "roughness": material.roughness,
+        "metallic": material.metallic,
+        "weight": material.weight,
+        "weight_g": material.masking_weight,
+        "technique": label,
+    }
+
+
+def _save_halves(out: Path, case: Case, truth: str, batches: list[Frame]) -> tuple[str, str]:
+    """Write the means of the even and of the odd batches; their paths relative to `out`."""
+    names = []
+    for half, label in enumerate("ab"):
+        kept = batches[half::2] or batches
+        mean = np.mean([b.rgb for b in kept], axis=0, dtype=np.float64).astype(np.float32)
+        seconds = sum(b.seconds for b in kept)
+        names.append(f"truths/{case.id}/{truth}.{label}.exr")
+        save_frame(Frame(mean, kept[0].ids, seconds, kept[0].provenance), out / names[-1])
+    return names[0], names[1]
+
+
+def references(job: Job, samples: int) -> list[tuple[str, str, int, float]]:
+    """Path-trace every truth of a job to at least `samples` per pixel.
+
+    Returns:
+        Per reference: case, truth, samples per pixel, seconds of path tracing in total.
+    """
+    done = []
+    with reporting(sum(len(e.truths) for e in job.entries)) as report:
+        for entry in job.entries:
+            for name in entry.truths:
+                report.step(f"{entry.case.id}: {name}")
+                batches = grow(
+                    entry.case, name, job.suite.reference, _samples_reach(samples), Store(job.store)
+                )
+                spp = sum(b.provenance["samples"] for b in batches)
+                done.append((entry.case.id, name, spp, sum(b.seconds for b in batches)))
+    return done
+
+
+def _samples_reach(samples: int) -> Callable[[list[Frame]], bool]:
+    return lambda batches: sum(b.provenance["samples"] for b in batches) >= samples
+
+
+def _provenance() -> dict[str, Any]:
+    """Where and with what this ran."""
+    return {
+        "device": device().name,
+        "opengl": device().version,
+        "hardware_gpu": device().hardware,
+        "machine": f"{platform.machine()}, {platform.system()} {platform.release()}",
+        "python": platform.python_version(),
+        "versions": {p: metadata.version(p) for p in PACKAGES},
+    }
+
+
+def _matches(name: str, pattern: str) -> bool:
+    """Whether a case is chosen: a shell pattern, or any part of its name."""
+    return not pattern or fnmatch.fnmatchcase(name, pattern) or pattern in name
+
+
+def plan(job: Job) -> list[str]:
+    """What `run` would do, a line each: pictures to draw and samples to trace."""
+    lines, store = [], Store(job.store)
+    for entry in job.entries:
+        case, names = entry.case, ", ".join(job.candidates(entry))
+        lines.append(
+            f"{case.id}: {case.width}x{case.height}, {len(case.judged)} objects, draw {names}"
+        )
+        for truth in entry.truths:
+            batches = store.load(case, truth, job.suite.reference)
+            there = sum(b.provenance["samples"] for b in batches)
+            most = job.suite.reference.max_samples
+            lines.append(
+                f"  {truth}: {there} samples per pixel in the store, at most {most} needed"
+            )
+    return lines
+
+
+def bench(job: Job) -> list[Timing]:
+    """Warm frame times of every technique beside one path-traced sample per pixel."""
+    timings = []
+    with reporting(sum(1 + len(e.techniques) for e in job.entries)) as report:
+        for entry in job.entries:
+            case = entry.case
+            report.step(f"{case.id}: Mitsuba at 1 sample per pixel")
+            sample = seconds_per_sample(case)
+            for name in entry.techniques:
+                report.step(f"{case.id}: {name}")
+                frame = Renderer(technique(name), repeats=9).render(case)
+                made = frame.provenance["precomputation_seconds"]
+                timings.append(
+                    Timing(case.id, case.width, case.height, name, frame.seconds, made, sample)
+                )
+    return timings
+
+
+def stability() -> list[Agreement]:
+    """The GLSL BRDF beside double precision and beside Mitsuba, over alphas and weights."""
+    found = []
+    for material in materials():
+        wi, wo = directions(material.alpha)
+        ours = probe.brdf_values(material, wi, wo)
+        exact = oracle(material, wi, wo)
+        found.append(agreement(material, "double precision", ours, exact, wi, wo))
+        theirs = mixture_values(material, wi, wo)
+        found.append(agreement(material, "Mitsuba", ours, theirs, wi, wo))
+    return found
