@@ -79,7 +79,9 @@ class Mixture(mi.BSDF):
 
         share_ggx, share_beckmann, share_diffuse = self._shares(wi)
         density = share_diffuse * wo.z * dr.inv_pi
-        if self.has["ggx"]:  # D G1(wi) / (4 n.wi), by Heitz 2014, eq. 17 and the Jacobian 1 / (4 wi.h)
+        if self.has[
+            "ggx"
+        ]:  # D G1(wi) / (4 n.wi), by Heitz 2014, eq. 17 and the Jacobian 1 / (4 wi.h)
             density += share_ggx * ggx / (4 * projected_area_ggx(wi, self.alpha))
         if self.has["beckmann"]:
             density += share_beckmann * beckmann / (4 * projected_area_beckmann(wi, self.alpha))
@@ -119,7 +121,9 @@ class Mixture(mi.BSDF):
         else:
             specular = mi.Float(1)
         # Where only one NDF is left it gets every specular sample.
-        weight = self.weight if self.has["ggx"] and self.has["beckmann"] else mi.Float(self.has["ggx"])
+        weight = (
+            self.weight if self.has["ggx"] and self.has["beckmann"] else mi.Float(self.has["ggx"])
+        )
         return specular * weight, specular * (1 - weight), 1 - specular
 
     def _masking_over_cosines(self, wi, wo, h):
@@ -155,7 +159,9 @@ def D_beckmann(h, alpha):
 
 def projected_area_ggx(w, alpha):
     """n.w / G1(w), the area of the facets that w sees (Heitz 2014, eq. 14) per unit of surface."""
-    return (w.z + dr.sqrt(dr.square(w.z) + dr.square(alpha) * (dr.square(w.x) + dr.square(w.y)))) / 2
+    return (
+        w.z + dr.sqrt(dr.square(w.z) + dr.square(alpha) * (dr.square(w.x) + dr.square(w.y)))
+    ) / 2
 
 
 def projected_area_beckmann(w, alpha):

@@ -103,7 +103,10 @@ def solve_reflectance(
     Returns:
         The reflectance (3,), at most 1, and the albedo (3,) that it gives.
     """
-    half, one = outer_albedo(eta, alpha, distribution, 0.5), outer_albedo(eta, alpha, distribution, 1)
+    half, one = (
+        outer_albedo(eta, alpha, distribution, 0.5),
+        outer_albedo(eta, alpha, distribution, 1),
+    )
     r = (one - 2 * half) / (one - half)
     T = one * (1 - r)
     wanted = np.asarray(albedo, float)
@@ -122,7 +125,9 @@ def outer_albedo(eta: float, alpha: float, distribution: str, rho: float) -> flo
     cosine, weight = (nodes + 1) / 2, weights / 2
     z_in, z_out = (a.ravel().astype(np.float32) for a in np.meshgrid(cosine, cosine))
     bsdf = mi.load_dict(_rough_plastic(eta, alpha, distribution, [rho] * 3))
-    diffuse = [i for i in range(bsdf.component_count()) if mi.has_flag(bsdf.flags(i), mi.BSDFFlags.Diffuse)]
+    diffuse = [
+        i for i in range(bsdf.component_count()) if mi.has_flag(bsdf.flags(i), mi.BSDFFlags.Diffuse)
+    ]
     context = mi.BSDFContext()
     context.component = diffuse[0]
     si = mi.SurfaceInteraction3f()

@@ -11,18 +11,16 @@ from functools import lru_cache
 
 import drjit as dr
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from reference.scene_dict import build_scene, camera_rays, shape_id
+from reference.settings import PATH, SAMPLER, rounded_samples
 from reference.variant import mitsuba
 from scenes.schema import Case, Material
 from scenes.suite import Truth
 
 mi = mitsuba()
 
-# After 64 bounces off silver (F0 .98) a quarter of the light is left on a path that never gets
-# out; outside a closed cavity paths are far shorter. Roulette ends the dim ones.
-PATH = {"type": "path", "max_depth": 65, "rr_depth": 8}
-SAMPLER = "multijitter"
 MAX_WAVEFRONT = 1 << 24  # samples in flight; bounds memory to about 2 GB
 Radiance = Callable[[mi.Scene, mi.Sampler, mi.RayDifferential3f], mi.Color3f]
 
@@ -46,6 +44,39 @@ class Stage:
     ids: np.ndarray
     notes: list[str]
 
+    def trace(self, samples: int, seed: int) -> np.ndarray:
+        """Path-trace the pixels that objects touch; the rest is the background.
+
+        Args:
+            samples: per pixel; `rounded_samples` of it are taken.
+
+        Returns:
+            (H, W, 3) float32, linear radiance.
+        """
+        samples = rounded_samples(samples)
+        picture = self.background.copy()
+        y, x = np.nonzero(self.traced)
+        chunk = max(MAX_WAVEFRONT // samples, 1)
+        for number, start in enumerate(range(0, len(x), chunk)):
+            part = slice(start, start + chunk)
+            corner = mi.Point2f(x[part].astype(np.float32), y[part].astype(np.float32))
+            picture[y[part], x[part]] = self._trace_pixels(corner, samples, seed + number)
+        return picture
+
+    def _trace_pixels(self, corner: mi.Point2f, samples: int, seed: int) -> np.ndarray:
+        """Mean radiance (n, 3) of pixels with upper left corners `corner`.
+
+        The samples of a pixel lie next to each other, as the stratified samplers expect.
+        """
+        count = dr.width(corner) * samples
+        sampler = mi.load_dict({"type": SAMPLER, "sample_count": samples})
+        sampler.set_samples_per_wavefront(samples)
+        sampler.seed(seed, count)
+        pixel = dr.arange(mi.UInt32, count) // dr.opaque(mi.UInt32, samples)
+        position = dr.gather(mi.Point2f, corner, pixel) + sampler.next_2d()
+        L = self.radiance(self.scene, sampler, camera_rays(self.scene, self.case, position))
+        return np.stack([dr.block_sum(c, samples).numpy() / samples for c in L], axis=1)
+
 
 @lru_cache(maxsize=2)
 def stage(case: Case, truth: Truth) -> Stage:
@@ -58,41 +89,6 @@ def stage(case: Case, truth: Truth) -> Stage:
     radiance = unoccluded if truth == "unoccluded" else _path_tracer()
     traced, ids = covered(_bare(case))
     return Stage(case, scene, radiance, traced, _background(scene, case, ~traced), ids, notes)
-
-
-def trace(ready: Stage, samples: int, seed: int) -> np.ndarray:
-    """Path-trace the pixels that objects touch; the rest is the background.
-
-    Args:
-        samples: per pixel.
-
-    Returns:
-        (H, W, 3) float32, linear radiance.
-    """
-    picture = ready.background.copy()
-    y, x = np.nonzero(ready.traced)
-    chunk = max(MAX_WAVEFRONT // samples, 1)
-    for number, start in enumerate(range(0, len(x), chunk)):
-        part = slice(start, start + chunk)
-        corner = mi.Point2f(x[part].astype(np.float32), y[part].astype(np.float32))
-        picture[y[part], x[part]] = _trace_pixels(ready, corner, samples, seed + number)
-    return picture
-
-
-def _trace_pixels(ready: Stage, corner: mi.Point2f, samples: int, seed: int) -> np.ndarray:
-    """Mean radiance (n, 3) of pixels with upper left corners `corner`.
-
-    The samples of a pixel lie next to each other, as the stratified samplers expect.
-    """
-    count = dr.width(corner)
-    sampler = mi.load_dict({"type": SAMPLER, "sample_count": samples})
-    samples = sampler.sample_count()
-    sampler.set_samples_per_wavefront(samples)
-    sampler.seed(seed, count * samples)
-    corner = dr.gather(mi.Point2f, corner, dr.arange(mi.UInt32, count * samples) // dr.opaque(mi.UInt32, samples))
-    ray = camera_rays(ready.scene, ready.case, corner + sampler.next_2d())
-    L = ready.radiance(ready.scene, sampler, ray)
-    return np.stack([dr.block_sum(c, samples).numpy() / samples for c in L], axis=1)
 
 
 @lru_cache
@@ -147,15 +143,14 @@ def covered(case: Case) -> tuple[np.ndarray, np.ndarray]:
         for column in range(8):
             ray = camera_rays(scene, case, _pixels(case) + mi.Point2f(column + 0.5, row + 0.5) / 8)
             hit |= scene.ray_test(ray).numpy().reshape(hit.shape)
-    wide = np.pad(hit, 1)
-    grown = [wide[dy : dy + case.height, dx : dx + case.width] for dy in range(3) for dx in range(3)]
+    grown = binary_dilation(hit, np.ones((3, 3)))
 
     found = scene.ray_intersect_preliminary(camera_rays(scene, case, _pixels(case) + 0.5))
     shapes = {shape.id(): shape for shape in scene.shapes()}
     ids = mi.UInt32(0)
     for number in range(len(case.objects)):
         ids = dr.select(found.shape == mi.ShapePtr(shapes[shape_id(number)]), number + 1, ids)
-    return np.any(grown, axis=0), ids.numpy().astype(np.uint8).reshape(hit.shape)
+    return grown, ids.numpy().astype(np.uint8).reshape(hit.shape)
 
 
 def _pixels(case: Case) -> mi.Point2f:

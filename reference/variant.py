@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -93,10 +94,8 @@ def works(library: Path) -> bool:
     environment = os.environ | {VARIABLE: str(library)}
     answer = subprocess.run(command, env=environment, capture_output=True, text=True)
     good = answer.returncode == 0 and answer.stdout.strip() == "63.0"
-    try:
+    with suppress(InputError):  # a cache that cannot be written costs the next run a second
         write_text(note, f"{question}\n{'works' if good else 'fails'}\n")
-    except InputError:
-        pass  # a cache that cannot be written only costs the next run a second
     return good
 
 

@@ -1,0 +1,154 @@
+"""Batches: independent pictures of one truth, made and stored until the caller has enough."""
+
+import hashlib
+import os
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from reference.settings import FEWEST_BATCHES, rounded_samples
+from reference.store import Store, key
+from reference.variant import mitsuba
+from scenes.frame import Frame
+from scenes.schema import Case
+from scenes.suite import Sampling, Truth
+
+
+@dataclass(frozen=True)
+class PathTracer:
+    """One of the truths as a renderer: `render(case) -> Frame`."""
+
+    truth: Truth
+    samples: int = 256
+    seed: int = 0
+
+    def render(self, case: Case) -> Frame:
+        """A picture of the case; see `render_batch`."""
+        return render_batch(case, self.truth, self.samples, self.seed)
+
+
+def render_batch(case: Case, truth: Truth, samples: int, seed: int) -> Frame:
+    """Path-trace a case once.
+
+    Args:
+        samples: per pixel; `rounded_samples` of it are taken and recorded.
+        seed: batches of different seeds are independent.
+
+    Returns:
+        A frame with ids; `seconds` is path tracing alone, without set-up and kernel compilation.
+
+    Raises:
+        InputError: an input cannot be used, or there is no LLVM to run on.
+    """
+    start = time.perf_counter()
+    ready = _stage(case, truth)
+    staged = time.perf_counter()
+    rgb, compiling = _without_compilation(lambda: ready.trace(samples, seed))
+    traced = time.perf_counter()
+    provenance = {
+        "truth": truth,
+        "samples": rounded_samples(samples),
+        "seed": seed,
+        "notes": ready.notes,
+        "traced_pixels": int(ready.traced.sum()),
+        "setup_seconds": staged - start,
+        "compile_seconds": compiling,
+        **_machine(),
+    }
+    return Frame(rgb, ready.ids, traced - staged - compiling, provenance)
+
+
+def grow(
+    case: Case,
+    truth: Truth,
+    sampling: Sampling,
+    enough: Callable[[list[Frame]], bool],
+    store: Store,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Frame]:
+    """The stored batches of a reference, with more made until there are enough.
+
+    At least 8 batches, then half as many again each time `enough` says no, up to
+    `sampling.max_samples`. Every batch is stored at once. Batch k is always the same picture.
+
+    Args:
+        enough: asked with all batches so far, in order.
+        progress: told after each new batch how many there are and how many are being made.
+
+    Raises:
+        InputError: as `render_batch`, or the store cannot be written.
+    """
+    identity = key(case, truth, sampling)
+    batches = {f.provenance["batch"]: f for f in store.load(case, truth, sampling)}
+    most = sampling.max_samples // sampling.samples_per_batch
+    target = FEWEST_BATCHES
+    while True:
+        for number in range(target):
+            if number not in batches:
+                batches[number] = _add(case, truth, sampling, number, identity, store)
+                if progress:
+                    progress(len(batches), max(target, len(batches)))
+        ordered = [batches[number] for number in sorted(batches)]
+        if len(ordered) >= most or enough(ordered):
+            return ordered
+        target = min(len(ordered) * 3 // 2, most)
+
+
+def _add(
+    case: Case, truth: Truth, sampling: Sampling, number: int, identity: str, store: Store
+) -> Frame:
+    """Make and store one batch."""
+    frame = render_batch(case, truth, sampling.samples_per_batch, batch_seed(identity, number))
+    frame.provenance["batch"] = number
+    store.save(case, truth, sampling, number, frame, _stage(case, truth).traced)
+    return frame
+
+
+def batch_seed(identity: str, number: int) -> int:
+    """The seed of a batch, 32 bits, from the content that makes the picture and its number."""
+    return int.from_bytes(hashlib.sha256(f"{identity}/{number}".encode()).digest()[:4], "big")
+
+
+def _stage(case: Case, truth: Truth):
+    """The case made ready; imported late, so that looking into a store starts no Mitsuba."""
+    from reference.truths import stage
+
+    return stage(case, truth)
+
+
+def _without_compilation(work: Callable[[], np.ndarray]) -> tuple[np.ndarray, float]:
+    """The result of some work, and the seconds that Dr.Jit spent in it making kernels."""
+    import drjit as dr
+
+    dr.kernel_history_clear()
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+        result = work()
+    parts = ("codegen_time", "backend_time")  # in milliseconds
+    return result, sum(k.get(part, 0) for k in dr.kernel_history() for part in parts) / 1000
+
+
+@cache
+def _machine() -> dict[str, str]:
+    """Versions and device of this process, for the provenance."""
+    mi = mitsuba()
+    variant = mi.variant()
+    facts = {"maker": "mitsuba", "mitsuba": version("mitsuba"), "drjit": version("drjit")}
+    facts |= {"variant": variant, "device": _processor()}
+    if variant.startswith("llvm"):
+        facts["llvm"] = Path(os.environ["DRJIT_LIBLLVM_PATH"]).resolve().name
+    return facts
+
+
+def _processor() -> str:
+    """The processor's name and how many of its cores this process may use."""
+    names = []
+    if (cpuinfo := Path("/proc/cpuinfo")).is_file():
+        lines = cpuinfo.read_text().splitlines()
+        names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return f"{names[0] if names else platform.machine()}, {len(os.sched_getaffinity(0))} cores"
