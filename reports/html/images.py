@@ -111,9 +111,11 @@ def _map(
 ) -> str:
     """One map over the objects of all rows, which share a technique and a truth."""
     compute, scale = MAPS[kind]
-    shape = frames.record.height, frames.record.width
+    shape = frames.mask(rows[0].truth, rows[0].object).shape
     values, inside = np.full(shape, np.nan, np.float32), np.zeros(shape, bool)
     for row in rows:
+        if not frames.mask(row.truth, row.object).any() and len(rows) > 1:
+            continue  # the other objects still have something to show
         subject, crop = frames.subject(row)
         mask = subject.truth.mask
         values[crop][mask], inside[crop][mask] = compute(subject)[mask], True

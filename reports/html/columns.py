@@ -1,0 +1,69 @@
+"""The table of a case's rows. To add a figure: one line in GROUPS."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from reports.html import figures as f
+from reports.html.matrix import Cell, cell
+from reports.results import Row
+
+Shown = Cell | str
+
+
+@dataclass(frozen=True)
+class Column:
+    """One figure: its heading, what it means, and how a row shows it."""
+
+    heading: str
+    meaning: str
+    show: Callable[[Row], Shown]
+
+
+def _budgeted(name: str) -> Callable[[Row], Shown]:
+    return lambda row: cell(f.METRICS[name], row)
+
+
+GROUPS: tuple[tuple[str, tuple[Column, ...]], ...] = (
+    ("Energy", (
+        Column("local", "root mean square of the energy error of 16×16 blocks, worst channel",
+               _budgeted("energy_local")),
+        Column("total", "light on the object, candidate over reference, minus 1",
+               _budgeted("energy_error")),
+        Column("R", "total, red only", lambda r: f.percent(r.energy_rgb[0], signed=True)),
+        Column("G", "total, green only", lambda r: f.percent(r.energy_rgb[1], signed=True)),
+        Column("B", "total, blue only", lambda r: f.percent(r.energy_rgb[2], signed=True)),
+    )),
+    ("SSIM, 1 is the same", (
+        Column("mean", "after exposure and sRGB, without the reference's noise",
+               _budgeted("ssim")),
+        Column("raw", "with the reference's noise", lambda r: f.similarity(r.ssim_raw)),
+        Column("5th pct", "5th percentile of the map: the worst parts of the object",
+               lambda r: f.similarity(r.ssim_p5)),
+        Column("highlights", "three stops darker", lambda r: f.similarity(r.ssim_highlights)),
+    )),
+    ("Other errors", (
+        Column("relMSE", "relative squared error, mean over pixels",
+               lambda r: f.number(r.relmse, 5)),
+        Column("median", "relative squared error, median over pixels",
+               lambda r: f.number(r.relmse_median, 5)),
+        Column("FLIP", "HDR-FLIP, 0 is the same", lambda r: f.similarity(r.flip)),
+        Column("silhouette", "overlap of the two masks, 1 is the same", _budgeted("silhouette")),
+        Column("NaN / Inf / <0", "pixels on the object that are no number, infinite, negative",
+               lambda r: f"{r.nan_pixels} / {r.inf_pixels} / {r.negative_pixels}"),
+        Column("pixels", "pixels that the object covers", lambda r: f.count(r.pixels)),
+    )),
+    ("Cost", (
+        Column("frame", "time of one warm frame, all objects",
+               lambda r: f.seconds(r.frame_ms / 1e3)),
+        Column("precomp.", "time to prefilter the environment",
+               lambda r: f.seconds(r.precomputation_ms / 1e3)),
+        Column("reference", "time of path tracing", lambda r: f.seconds(r.reference_seconds)),
+        Column("samples", "path-traced samples per pixel, in independent batches",
+               lambda r: f"{f.count(r.reference_spp)} spp in {r.reference_batches}"),
+    )),
+)  # fmt: skip
+
+
+def cells(row: Row) -> list[Shown]:
+    """A row's figures in the order of GROUPS."""
+    return [column.show(row) for _, columns in GROUPS for column in columns]

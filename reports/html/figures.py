@@ -1,0 +1,135 @@
+"""Figures as people read them: a unit on each, a dash where there is none."""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from reports.results import Row
+
+NONE = "–"
+GAP = "\u202f"  # narrow no-break space
+
+
+def number(value: float, decimals: int, signed: bool = False) -> str:
+    """A number with a true minus sign; a dash for NaN, ∞ for infinity."""
+    if math.isnan(value):
+        return NONE
+    if math.isinf(value):
+        return "−∞" if value < 0 else "∞"
+    text = f"{value:{'+' if signed else ''}.{decimals}f}"
+    return text.replace("-", "−")
+
+
+def percent(value: float, signed: bool = False, decimals: int | None = None) -> str:
+    """A fraction in percent, to three digits."""
+    if decimals is None:
+        decimals = _decimals(value)
+    text = number(100 * value, decimals, signed)
+    return text if text == NONE else f"{text}{GAP}%"
+
+
+def similarity(value: float, decimals: int = 4) -> str:
+    """An SSIM."""
+    return number(value, decimals)
+
+
+def seconds(value: float) -> str:
+    """A time in seconds, in the unit that suits it."""
+    if math.isnan(value):
+        return NONE
+    if value < 1:
+        return f"{1e3 * value:.3g}{GAP}ms"
+    if value < 120:
+        return f"{value:.3g}{GAP}s"
+    return f"{value / 60:.3g}{GAP}min"
+
+
+def count(value: float) -> str:
+    """A whole number with its thousands apart."""
+    return f"{value:,}".replace(",", GAP)
+
+
+def half_width(interval: tuple[float, float]) -> float:
+    """Half of a 95 % interval; NaN where noise cannot be told."""
+    return (interval[1] - interval[0]) / 2
+
+
+def slug(*parts: str) -> str:
+    """An HTML id from names, whatever they hold."""
+    return "--".join(re.sub(r"[^\w.=-]+", "-", part) for part in parts)
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A figure that can have a budget.
+
+    Attributes:
+        name: the field of Row.
+        interval: the field with its interval, if it has one.
+        label: as in a heading.
+        budget_label: as in 'misses its ... budget'.
+        limit: how its budget reads, with {} for the figure.
+    """
+
+    name: str
+    interval: str
+    label: str
+    budget_label: str
+    limit: str
+    show: Callable[[float], str]
+
+    def value(self, row: Row) -> float:
+        """The figure."""
+        return getattr(row, self.name)
+
+    def bounds(self, row: Row) -> tuple[float, float]:
+        """Its interval; NaN where it has none."""
+        return getattr(row, self.interval) if self.interval else (math.nan, math.nan)
+
+    def spread(self, row: Row) -> str:
+        """Half the interval, to as many decimals as the figure; empty where unknown."""
+        half = half_width(self.bounds(row))
+        if math.isnan(half):
+            return ""
+        if self.name == "ssim":
+            return f"±{GAP}{similarity(half)}"
+        return f"±{GAP}{percent(half, decimals=_decimals(self.value(row)))}"
+
+    def allowed(self, limit: float) -> str:
+        """The budget, as '≤ 20 %' or '≥ 0.97'."""
+        shown = f"{limit:g}" if self.limit.startswith("≥") else f"{100 * limit:g}{GAP}%"
+        return self.limit.format(shown)
+
+    def undecided(self, row: Row) -> bool:
+        """Whether the interval lies on both sides of the budget: noise hides the answer."""
+        low, high = self.bounds(row)
+        if self.name not in row.budget or math.isnan(low) or math.isnan(high):
+            return False
+        limit = row.budget[self.name]
+        return any(low < edge < high for edge in (limit, *([-limit] if "±" in self.limit else [])))
+
+
+METRICS = {
+    metric.name: metric
+    for metric in (
+        Metric("energy_local", "energy_local_ci95", "Local energy error", "local energy",
+               f"≤{GAP}{{}}", percent),
+        Metric("energy_error", "energy_ci95", "Total energy error", "total energy",
+               f"within ±{GAP}{{}}", lambda v: percent(v, signed=True)),
+        Metric("ssim", "ssim_ci95", "SSIM", "SSIM", f"≥{GAP}{{}}", similarity),
+        Metric("silhouette", "", "Silhouette", "silhouette", f"≥{GAP}{{}}", similarity),
+    )
+}  # fmt: skip
+
+
+def tightest(row: Row) -> str:
+    """The budgeted metric with the smallest margin; empty where no margin is known."""
+    known = {n: m for n, m in row.margins.items() if n in METRICS and not math.isnan(m)}
+    return min(known, key=known.__getitem__, default="")
+
+
+def _decimals(value: float) -> int:
+    """Decimals of a percentage that leave three digits."""
+    size = abs(100 * value)
+    return 0 if size >= 100 else 1 if size >= 10 else 2

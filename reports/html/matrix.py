@@ -1,0 +1,124 @@
+"""The matrices on the first screen: material down, weight across, one figure a cell."""
+
+import math
+from dataclasses import dataclass
+
+from reports.gate import worst_first
+from reports.html.figures import METRICS, Metric, slug
+from reports.html.verdict import subject
+from reports.results import Row
+
+SHOWN = ("energy_local", "energy_error", "ssim")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One figure beside its budget.
+
+    Attributes:
+        state: a CSS class: over, within, reported or broken, with a depth of 1 to 3.
+        undecided: the interval lies on both sides of the budget.
+        label: all of it in words, for a tooltip and a screen reader.
+    """
+
+    text: str
+    spread: str
+    limit: str
+    state: str
+    undecided: bool
+    label: str
+    href: str
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """One figure over material and weight for one technique and truth."""
+
+    metric: str
+    technique: str
+    truth: str
+    weights: list[str]
+    lines: list[tuple[str, list[Cell | None]]]
+
+
+def matrices(rows: list[Row]) -> list[Matrix]:
+    """One matrix for each shown figure, technique and truth, in the order of the rows."""
+    pairs = dict.fromkeys((r.technique, r.truth) for r in rows)
+    materials = {label_of(r, rows): None for r in rows}
+    weights = sorted({r.weight for r in rows})
+    made = []
+    for technique, truth in pairs:
+        chosen = [r for r in rows if (r.technique, r.truth) == (technique, truth)]
+        for name in SHOWN:
+            lines = [
+                (label, [_worst_cell(METRICS[name], chosen, rows, label, w) for w in weights])
+                for label in materials
+            ]
+            made.append(Matrix(name, technique, truth, [f"{w:g}" for w in weights], lines))
+    return made
+
+
+def label_of(row: Row, rows: list[Row]) -> str:
+    """The material, with its roughness or metallic where the run has several of it."""
+    same = [r for r in rows if r.material == row.material]
+    label = row.material
+    if len({r.roughness for r in same}) > 1:
+        label += f", roughness {row.roughness:g}"
+    if len({r.metallic for r in same}) > 1:
+        label += f", metallic {row.metallic:g}"
+    return label
+
+
+def cell(metric: Metric, row: Row, places: int = 1) -> Cell:
+    """One row's figure as a cell; `places` is of how many rows it is the worst."""
+    limit = row.budget.get(metric.name)
+    allowed = metric.allowed(limit) if limit is not None else ""
+    value, undecided = metric.value(row), metric.undecided(row)
+    text, spread = metric.show(value), metric.spread(row)
+    words = [f"{subject(row)}: {metric.label} {text} {spread}".rstrip()]
+    words.append(f"budget {allowed}" if allowed else "no budget: reported only")
+    if undecided:
+        words.append("noise hides the answer")
+    if row.problem:
+        words.append(row.problem)
+    if places > 1:
+        words.append(f"the worst of {places} places")
+    href = f"#{row_id(row)}"
+    state = _state(metric, row, value)
+    return Cell(text, spread, allowed, state, undecided, "; ".join(words), href)
+
+
+def row_id(row: Row) -> str:
+    """The id of a row on the page."""
+    return slug("row", row.case, row.object, row.technique, row.truth)
+
+
+def _worst_cell(
+    metric: Metric, chosen: list[Row], rows: list[Row], label: str, weight: float
+) -> Cell | None:
+    """The worst place of a material at a weight by this figure; None where there is none."""
+    here = [r for r in chosen if r.weight == weight and label_of(r, rows) == label]
+    if not here:
+        return None
+    return cell(metric, min(worst_first(here), key=lambda r: _badness(metric, r)), len(here))
+
+
+def _badness(metric: Metric, row: Row) -> tuple[int, float]:
+    """Sorts the worst first: no figure, then the smallest margin, then the largest error."""
+    value, margin = metric.value(row), row.margins.get(metric.name, math.nan)
+    if math.isnan(value):
+        return 0, 0.0
+    if not math.isnan(margin):
+        return 1, margin
+    return 2, value if metric.name == "ssim" else -abs(value)
+
+
+def _state(metric: Metric, row: Row, value: float) -> str:
+    if math.isnan(value):
+        return "broken" if row.problem or metric.name in row.budget else "reported"
+    margin = row.margins.get(metric.name, math.nan)
+    if math.isnan(margin):
+        return "reported"
+    if margin < 0:
+        return f"over{1 + (margin < -0.25) + (margin < -1)}"
+    return f"within{1 + (margin > 0.25) + (margin > 0.5)}"

@@ -1,0 +1,167 @@
+"""Results to what the template shows: a tree of plain records, worst first."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from reports.gate import worst_first
+from reports.html import columns, verdict
+from reports.html.colour import SIGNED, SIMILARITY, Scale
+from reports.html.figures import METRICS, slug
+from reports.html.frames import CaseFrames
+from reports.html.images import Picture, case_pictures, close_ups
+from reports.html.matrix import Matrix, label_of, matrices, row_id
+from reports.html.trust import Fact, facts
+from reports.results import CaseRecord, Results, Row
+
+VERDICTS = ("fail", "inconclusive", "pass", "reported")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of picture: its title, how to read it, and the scale of its colours."""
+
+    title: str
+    reading: str
+    scale: Scale | None = None
+
+
+KINDS = {
+    "candidate": Kind("Candidate", "What the real-time technique draws."),
+    "truth": Kind("Reference", "What path tracing gives, at the same exposure."),
+    "signed": Kind(
+        "Signed error",
+        "Per pixel, candidate over reference, minus 1. Red is too bright, blue too dark, white "
+        "right. Fine grain is the reference's noise; smooth patches are errors.",
+        SIGNED,
+    ),
+    "blocks": Kind(
+        "Block energy error",
+        "The same over 16×16 pixels, where noise averages out. Local energy is the root mean "
+        "square of these blocks: it cannot be passed by being too bright here and too dark there.",
+        SIGNED,
+    ),
+    "ssim": Kind(
+        "SSIM",
+        "How alike the structure is around each pixel: yellow is the same. Dark spots are where "
+        "highlights, edges or texture differ, whatever the energy says.",
+        SIMILARITY,
+    ),
+}
+
+
+@dataclass(frozen=True)
+class RowView:
+    """A row in a case's table."""
+
+    id: str
+    row: Row
+    material: str
+    cells: list[columns.Shown]
+
+
+@dataclass(frozen=True)
+class CaseView:
+    """A case with its pictures and rows; `chosen` is the technique and truth shown first."""
+
+    id: str
+    record: CaseRecord
+    counts: str
+    verdict: str
+    techniques: list[str]
+    truths: list[str]
+    chosen: tuple[str, str]
+    pictures: list[Picture]
+    rows: list[RowView]
+    missing: list[str]
+
+
+@dataclass(frozen=True)
+class Page:
+    """All that the template shows."""
+
+    results: Results
+    sentence: str
+    counts: str
+    worst: Row | None
+    worst_id: str
+    close_ups: list[Picture]
+    techniques: list[str]
+    truths: list[str]
+    chosen: tuple[str, str]
+    matrices: list[Matrix]
+    labels: dict[str, str]
+    facts: list[Fact]
+    cases: list[CaseView]
+    groups: tuple[tuple[str, tuple[columns.Column, ...]], ...]
+    kinds: dict[str, Kind]
+    provenance: str
+    budgets: list[dict[str, Any]]
+
+
+def page_of(results: Results, folder: Path) -> Page:
+    """Everything on the page; reads the frames that lie in `folder`."""
+    ranked = worst_first(results.rows)
+    worst = ranked[0] if ranked else None
+    order = {case: i for i, case in reversed(list(enumerate(r.case for r in ranked)))}
+    records = sorted(results.cases, key=lambda c: order.get(c.id, len(ranked)))
+    # Frames are dropped case by case: those of a whole suite may not fit into memory.
+    views = [_case(results, CaseFrames(c, folder), ranked) for c in records]
+    place = next((c for c in records if worst and c.id == worst.case), None)
+    return Page(
+        results=results,
+        sentence=verdict.sentence(results, ranked),
+        counts=_counts(results.rows),
+        worst=worst,
+        worst_id=row_id(worst) if worst else "",
+        close_ups=close_ups(CaseFrames(place, folder), worst) if place and worst else [],
+        techniques=list(dict.fromkeys(r.technique for r in results.rows)),
+        truths=list(dict.fromkeys(r.truth for r in results.rows)),
+        chosen=(worst.technique, worst.truth) if worst else ("", ""),
+        matrices=matrices(results.rows),
+        labels={name: metric.label for name, metric in METRICS.items()},
+        facts=facts(results),
+        cases=views,
+        groups=columns.GROUPS,
+        kinds=KINDS,
+        provenance=json.dumps(results.provenance, indent=2, ensure_ascii=False, default=str),
+        budgets=[b.model_dump(exclude_none=True) for b in results.budgets],
+    )
+
+
+def _case(results: Results, frames: CaseFrames, ranked: list[Row]) -> CaseView:
+    record = frames.record
+    rows = [r for r in ranked if r.case == record.id]
+    pictures = case_pictures(frames, rows)
+    techniques = list(dict.fromkeys(p.technique for p in pictures if p.kind == "candidate"))
+    truths = list(dict.fromkeys(p.truth for p in pictures if p.kind == "truth"))
+    chosen = (rows[0].technique, rows[0].truth) if rows else (
+        next(iter(techniques), ""), next(iter(truths), "")
+    )  # fmt: skip
+    return CaseView(
+        id=slug("case", record.id),
+        record=record,
+        counts=_counts(rows),
+        verdict=rows[0].verdict if rows else "fail",
+        techniques=techniques,
+        truths=truths,
+        chosen=chosen,
+        pictures=pictures,
+        rows=[_row(r, results.rows) for r in rows],
+        missing=[
+            f"{m.object}, {m.technique} vs {m.truth}"
+            for m in results.missing
+            if m.case == record.id
+        ],
+    )
+
+
+def _row(row: Row, rows: list[Row]) -> RowView:
+    return RowView(row_id(row), row, label_of(row, rows), columns.cells(row))
+
+
+def _counts(rows: list[Row]) -> str:
+    """How many rows of each verdict."""
+    counts = ((sum(r.verdict == v for r in rows), v) for v in VERDICTS)
+    return ", ".join(f"{n} {v}" for n, v in counts if n) or "no rows"

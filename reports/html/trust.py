@@ -1,0 +1,78 @@
+"""The strip of trust: why the figures can be believed, and where they cannot."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from statistics import median
+
+from reports.html.figures import GAP, METRICS, NONE, half_width, percent, similarity
+from reports.results import Results
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One entry of the strip; `doubt` marks one that a reader has to look at."""
+
+    term: str
+    text: str
+    doubt: bool = False
+    detail: tuple[str, ...] = ()
+
+
+def facts(results: Results) -> list[Fact]:
+    """What the run says of itself, in the order in which doubts should be raised."""
+    return [
+        _parity(results),
+        Fact("Reference noise, 95 %, in the median and worst row", _noise(results)),
+        _rows(results),
+        Fact("Device", str(results.provenance.get("device", NONE))),
+        Fact("Versions", _versions(results)),
+    ]
+
+
+def _parity(results: Results) -> Fact:
+    checks = results.provenance.get("parity") or []
+    if not checks:
+        return Fact("Parity", "not checked in this run", doubt=True)
+    failed = [c for c in checks if not c["passed"]]
+    text = f"{len(checks) - len(failed)} of {len(checks)} checks pass"
+    if failed:
+        text += f"; {', '.join(c['name'] for c in failed)} does not"
+    order = sorted(checks, key=lambda c: c["passed"])
+    marks = (f"{'passes' if c['passed'] else 'FAILS'}: {c['name']}, {c['detail']}" for c in order)
+    return Fact("Parity", text, bool(failed), tuple(marks))
+
+
+def _noise(results: Results) -> str:
+    named: tuple[tuple[str, str, Callable[[float], str]], ...] = (
+        ("energy_local", "local energy", percent),
+        ("energy_error", "total energy", percent),
+        ("ssim", "SSIM", similarity),
+    )
+    parts = []
+    for name, label, show in named:
+        halves = [half_width(METRICS[name].bounds(r)) for r in results.rows]
+        halves = [h for h in halves if not math.isnan(h)]
+        if halves:
+            parts.append(f"{label} ±{GAP}{show(median(halves))}, ±{GAP}{show(max(halves))}")
+    return "\n".join(parts) or "unknown: one batch has no spread"
+
+
+def _rows(results: Results) -> Fact:
+    broken = sum(bool(r.problem) for r in results.rows)
+    text = (
+        f"{len(results.rows)} of {results.expected_rows}; {len(results.missing)} missing, "
+        f"{broken} without figures, {len(results.skipped)} skipped"
+    )
+    doubt = bool(results.missing or broken or results.skipped)
+    missing = (
+        f"missing: {m.case}, {m.object}, {m.technique} vs {m.truth}" for m in results.missing
+    )
+    return Fact("Rows", text, doubt, (*missing, *(f"skipped: {s}" for s in results.skipped)))
+
+
+def _versions(results: Results) -> str:
+    versions = results.provenance.get("versions")
+    if not isinstance(versions, dict):
+        return NONE
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
