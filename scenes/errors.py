@@ -16,4 +16,5 @@ class InputError(Exception):
     def __init__(self, where: str | Path, field: str, problem: str, remedy: str) -> None:
         self.where, self.field, self.problem, self.remedy = str(where), field, problem, remedy
         place = f"{where}: {field}" if field else str(where)
-        super().__init__(f"{place}: {problem}; {remedy}")
+        # A name or a library's message may hold line breaks; what ends in a terminal may not.
+        super().__init__(" ".join(f"{place}: {problem}; {remedy}".split()))

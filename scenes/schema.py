@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import math
+import reprlib
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from scenes.optics import load_constants
@@ -15,6 +17,7 @@ from scenes.optics import load_constants
 Unit = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 RGB = tuple[Unit, Unit, Unit]
 Vector = tuple[Finite, Finite, Finite]
 
@@ -36,8 +39,8 @@ class Optics(Strict):
     """
 
     f0: RGB
-    eta: Vector | None = None
-    k: Vector | None = None
+    eta: tuple[Positive, Positive, Positive] | None = None
+    k: tuple[NonNegative, NonNegative, NonNegative] | None = None
     name: str = ""
 
 
@@ -47,7 +50,7 @@ def _named_optics(value: Any, metal: bool) -> Any:
         constants = {n: c for n, c in load_constants().items() if c["metal"] == metal}
         if value not in constants:
             kind = "metal" if metal else "substance"
-            raise ValueError(f"unknown {kind} '{value}'; known: {', '.join(sorted(constants))}")
+            raise ValueError(f"unknown {kind} '{value}'; use one of {', '.join(sorted(constants))}")
         entry = constants[value]
         return Optics(f0=entry["f0"], eta=entry["eta"], k=entry["k"], name=value)
     if isinstance(value, int | float) and not isinstance(value, bool):
@@ -68,14 +71,16 @@ Metal = Annotated[Optics, BeforeValidator(lambda v: _named_optics(v, metal=True)
 
 def _ggx_share(value: Any) -> Any:
     """Accept the GGX share w, or the pair [w_ggx, w_beckmann] that must sum to 1."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
     if not isinstance(value, list | tuple):
         return value
     if len(value) != 2:
-        raise ValueError("give one weight per lobe, [ggx, beckmann]")
+        raise ValueError(f"{len(value)} weights for two lobes; give [ggx, beckmann]")
     if not all(isinstance(w, int | float) and 0 <= w <= 1 for w in value):
-        raise ValueError("every weight must lie in [0, 1]")
+        raise ValueError(f"weights {value} leave [0, 1]; give each from 0 to 1")
     if not math.isclose(sum(value), 1, abs_tol=1e-6):
-        raise ValueError(f"the weights sum to {sum(value):.6g}, not to 1")
+        raise ValueError(f"the weights sum to {sum(value):.6g}; make them sum to 1")
     return value[0]
 
 
@@ -104,9 +109,9 @@ class Material(Strict):
     @model_validator(mode="after")
     def _parts_are_given(self) -> Material:
         if self.metallic > 0 and self.metal is None:
-            raise ValueError("metallic > 0 needs 'metal': a metal's name, or its F0 as [r, g, b]")
+            raise ValueError("metallic > 0 without a metal; add metal = a name or its F0 [r, g, b]")
         if self.metallic < 1 and "albedo" not in self.model_fields_set:
-            raise ValueError("metallic < 1 needs 'albedo': the diffuse base colour as [r, g, b]")
+            raise ValueError("metallic < 1 without an albedo; add albedo = [r, g, b]")
         return self
 
     @property
@@ -164,7 +169,7 @@ class Camera(Strict):
             to[0] * self.up[1] - to[1] * self.up[0],
         )
         if cross < 1e-6 * math.hypot(*to) * math.hypot(*self.up) or math.hypot(*to) == 0:
-            raise ValueError("origin, target and up must not lie on one line")
+            raise ValueError("origin, target and up lie on one line; move the target or turn up")
         return self
 
 
@@ -219,9 +224,7 @@ class Case(Strict):
 
     @model_validator(mode="after")
     def _names_are_unique(self) -> Case:
-        names = [o.name for o in self.objects]
-        if twice := {n for n in names if names.count(n) > 1}:
-            raise ValueError(f"object names must be unique; twice: {', '.join(sorted(twice))}")
+        unique_names([o.name for o in self.objects])
         return self
 
     @property
@@ -234,10 +237,18 @@ class Case(Strict):
         return 1 + [o.name for o in self.objects].index(name)
 
 
+def unique_names(names: list[str]) -> None:
+    """Raise ValueError if a name stands twice."""
+    if twice := {n for n in names if names.count(n) > 1}:
+        raise ValueError(f"objects share the name '{min(twice)}'; give each its own")
+
+
 def file_safe(name: str) -> str:
     """Return the name if it can stand in a file name on any system, else raise ValueError."""
-    if not name or not all(c.isalnum() or c in "-_.=" for c in name) or name[0] == ".":
-        raise ValueError(f"name '{name}' must be made of letters, digits, '-', '_', '.' and '='")
+    safe = all(c.isalnum() or c in "-_.=" for c in name)
+    if not safe or not 0 < len(name) <= 200 or name[0] == ".":
+        allowed = "up to 200 letters, digits, '-', '_', '.' and '='"
+        raise ValueError(f"name {reprlib.repr(name)} is no file name; use {allowed}")
     return name
 
 

@@ -1,20 +1,21 @@
 """A suite file: which scenes, environments, materials and sweeps, and what is good enough."""
 
 import itertools
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
-from scenes.errors import InputError
-from scenes.mesh import FORMATS as MESH_FORMATS
 from scenes.environment import FORMATS as ENVIRONMENT_FORMATS
+from scenes.errors import InputError
+from scenes.files import find, parse, read_toml
+from scenes.mesh import FORMATS as MESH_FORMATS
 from scenes.schema import (
     PRIMITIVES,
     Camera,
     Case,
     Environment,
+    Finite,
     Material,
     Model,
     Object,
@@ -24,12 +25,23 @@ from scenes.schema import (
     Vector,
     Weight,
     file_safe,
+    unique_names,
 )
 
 HERE = Path(__file__).resolve().parent
 Truth = Literal["unoccluded", "global", "physical"]
 Resolution = tuple[Annotated[int, Field(gt=0, le=16384)], Annotated[int, Field(gt=0, le=16384)]]
 AXES = ("weight", "roughness", "metallic")
+
+
+def _once(names: tuple[str, ...]) -> tuple[str, ...]:
+    if len(set(names)) != len(names):
+        raise ValueError("a name stands twice; leave one")
+    return names
+
+
+Truths = Annotated[tuple[Truth, ...], Field(min_length=1), AfterValidator(_once)]
+Techniques = Annotated[tuple[str, ...], Field(min_length=1), AfterValidator(_once)]
 
 
 class SceneObject(Strict):
@@ -50,6 +62,11 @@ class SceneObject(Strict):
     fixed: bool = False
     small: str = ""
 
+    @field_validator("name")
+    @classmethod
+    def _file_safe(cls, name: str) -> str:
+        return file_safe(name)
+
 
 class Scene(Strict):
     """A scene file: camera, resolution and objects, without light."""
@@ -58,6 +75,12 @@ class Scene(Strict):
     resolution: Resolution
     camera: Camera
     object: Annotated[tuple[SceneObject, ...], Field(min_length=1, max_length=254)]
+
+    @field_validator("object")
+    @classmethod
+    def _names_are_unique(cls, objects: tuple[SceneObject, ...]) -> tuple[SceneObject, ...]:
+        unique_names([o.name for o in objects])
+        return objects
 
 
 class Sweep(Strict):
@@ -77,12 +100,12 @@ class Run(Strict):
 
     scene: str
     environments: Annotated[tuple[str, ...], Field(min_length=1)]
-    rotation: float = 0.0
+    rotation: Finite = 0.0
     materials: tuple[str, ...] = ()
     sweep: Sweep = Sweep()
     resolution: Resolution | None = None
-    truths: tuple[Truth, ...] | None = None
-    techniques: tuple[str, ...] | None = None
+    truths: Truths | None = None
+    techniques: Techniques | None = None
 
 
 class Sampling(Strict):
@@ -97,7 +120,10 @@ class Sampling(Strict):
     @model_validator(mode="after")
     def _room_for_eight(self) -> "Sampling":
         if self.max_samples < 8 * self.samples_per_batch:
-            raise ValueError("max_samples must be at least 8 batches of samples_per_batch")
+            raise ValueError(
+                f"max_samples {self.max_samples} is less than 8 batches of samples_per_batch "
+                f"{self.samples_per_batch}; give at least {8 * self.samples_per_batch}"
+            )
         return self
 
 
@@ -130,7 +156,7 @@ class Budget(Strict):
     @model_validator(mode="after")
     def _overrides_say_why(self) -> "Budget":
         if self.selectors and not self.reason:
-            raise ValueError("an override needs a 'reason'")
+            raise ValueError('an override has no reason; add reason = "..."')
         return self
 
 
@@ -138,20 +164,13 @@ class Suite(Strict):
     """A suite file, whole."""
 
     description: str
-    techniques: Annotated[tuple[str, ...], Field(min_length=1)]
-    truths: Annotated[tuple[Truth, ...], Field(min_length=1)]
+    techniques: Techniques
+    truths: Truths
     allow_inconclusive: bool = False
     model: Model = Model()
     reference: Sampling = Sampling()
     run: Annotated[tuple[Run, ...], Field(min_length=1)]
     budget: tuple[Budget, ...] = ()
-
-    @field_validator("techniques", "truths")
-    @classmethod
-    def _once(cls, names: tuple[str, ...]) -> tuple[str, ...]:
-        if len(set(names)) != len(names):
-            raise ValueError("each name may stand only once")
-        return names
 
 
 class Entry(Strict):
@@ -168,7 +187,7 @@ def load_suite(name: str) -> tuple[Suite, Path]:
     Raises:
         InputError: no such suite, or a field that does not validate.
     """
-    path = _find(name, HERE / "suites", (".toml",), Path.cwd(), "--suite", "suite")
+    path = find(name, HERE / "suites", (".toml",), Path.cwd(), "--suite", "suite")
     return parse(Suite, read_toml(path), path), path
 
 
@@ -200,7 +219,7 @@ def expand(suite: Suite, path: Path) -> list[Entry]:
 
 def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
     """The crossing that one [[run]] asks for."""
-    scene_path = _find(run.scene, HERE, (".toml",), path.parent, path, f"{field}.scene")
+    scene_path = find(run.scene, HERE, (".toml",), path.parent, path, f"{field}.scene")
     scene = parse(Scene, read_toml(scene_path), scene_path)
     width, height = run.resolution or scene.resolution
     axes = [(axis, getattr(run.sweep, axis)) for axis in AXES if getattr(run.sweep, axis)]
@@ -211,7 +230,7 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
     )
     cases = []
     for light, material, values in crossing:
-        light_path = _find(
+        light_path = find(
             light,
             HERE / "environments",
             ENVIRONMENT_FORMATS,
@@ -224,11 +243,16 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
         parts += [Path(material).stem] if material else []
         parts += [f"{axis}={value:g}" for axis, value in changes.items()]
         objects = [
-            _object(o, material, changes, scene_path, path, f"object.{i}")
+            _object(o, i, material, changes, scene_path, path, f"{field}.materials")
             for i, o in enumerate(scene.object)
         ]
+        try:
+            name = file_safe(".".join(parts))
+        except ValueError as error:
+            problem = f"case {error}".partition("; ")[0]
+            raise InputError(path, field, problem, "rename the file") from error
         fields = {
-            "id": ".".join(parts),
+            "id": name,
             "scene": scene_path.stem,
             "environment": Environment(
                 name=light_path.stem, path=light_path, rotation=run.rotation
@@ -239,102 +263,47 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
             "model": suite.model,
             "objects": objects,
         }
-        file_safe(scene_path.stem), file_safe(light_path.stem)
         cases.append(parse(Case, fields, scene_path))
     return cases
 
 
 def _object(
     entry: SceneObject,
+    number: int,
     crossed: str | None,
     changes: dict[str, float],
     scene_path: Path,
     suite_path: Path,
-    field: str,
+    crossing: str,
 ) -> Object:
-    """One object with its material found, changed and validated."""
+    """One object with its material found, changed and validated.
+
+    Args:
+        entry, number: the object as its scene writes it, and where.
+        crossed: the material that the suite puts in place of the scene's.
+        changes: what the suite sweeps, by axis.
+        crossing: the field of the suite that names `crossed`.
+    """
+    field = f"object.{number}"
     table = {"use": entry.material} if isinstance(entry.material, str) else dict(entry.material)
-    if "use" not in table:
-        raise InputError(scene_path, f"{field}.material", "names no material", 'add use = "name"')
-    use, home = table.pop("use"), scene_path
+    if not isinstance(use := table.pop("use", None), str):
+        problem = "does not say which material to change"
+        raise InputError(scene_path, f"{field}.material", problem, 'add use = "name"')
+    home, named_at = scene_path, f"{field}.material"
     if not entry.fixed:
         table |= changes
         if crossed:
-            use, home = crossed, suite_path
-    found = _find(str(use), HERE / "materials", (".toml",), home.parent, home, f"{field}.material")
+            use, home, named_at = crossed, suite_path, crossing
+    found = find(use, HERE / "materials", (".toml",), home.parent, home, named_at)
     raw = read_toml(found)
     if "weight" in changes:
         raw.pop("weight_g", None)  # a sweep of the weight moves D and G together
-    material = parse(Material, {**raw, **table, "name": found.stem}, found, scene_path, field)
+    changed = scene_path if table else None
+    material = parse(Material, {**raw, **table, "name": found.stem}, found, changed, field)
     mesh = entry.mesh
     if mesh not in PRIMITIVES:
-        mesh = str(
-            _find(
-                mesh, HERE / "meshes", MESH_FORMATS, scene_path.parent, scene_path, f"{field}.mesh"
-            )
-        )
+        shelf, at = HERE / "meshes", f"{field}.mesh"
+        home = scene_path.parent
+        mesh = str(find(mesh, shelf, MESH_FORMATS, home, scene_path, at, PRIMITIVES))
     fields = entry.model_dump(exclude={"material", "mesh", "fixed"})
     return parse(Object, {**fields, "mesh": mesh, "material": material}, scene_path)
-
-
-def _find(
-    name: str, shelf: Path, endings: tuple[str, ...], home: Path, where: str | Path, field: str
-) -> Path:
-    """A file by its name on our own shelf, or by a path relative to the file that names it."""
-    if Path(name).suffix.lower() in endings:
-        path = (home / name).resolve()
-        if path.is_file():
-            return path
-        raise InputError(where, field, f"no such file: {path}", "give a path relative to this file")
-    for ending in endings:
-        if (path := shelf / f"{name}{ending}").is_file():
-            return path
-    known = sorted({p.stem for e in endings for p in shelf.glob(f"*{e}")})
-    raise InputError(
-        where, field, f"unknown name '{name}'", f"use one of {', '.join(known)}, or a path"
-    )
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """Parse a TOML file.
-
-    Raises:
-        InputError: it is missing or not TOML.
-    """
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            path, "", f"cannot be read ({error.strerror})", "check the path"
-        ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(path, "", f"is not TOML ({error})", "mend the syntax") from error
-
-
-def parse(kind: type, fields: dict[str, Any], path: Path, user: Path | None = None, at: str = ""):
-    """Validate fields into `kind`; the first mistake becomes one InputError that names it.
-
-    Args:
-        path: the file that the fields come from.
-        user: the file whose changes were laid over them, named when the mistake may be there.
-    """
-    try:
-        return kind.model_validate(fields)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        field = ".".join(str(part) for part in first["loc"]) or kind.__name__.lower()
-        problem = first["msg"].removeprefix("Value error, ")
-        if first["type"] == "extra_forbidden":
-            problem = "unknown field"
-            remedy = (
-                f"use one of {', '.join(sorted(kind.model_fields))}"
-                if len(first["loc"]) == 1
-                else ("see scenes/FORMAT.md")
-            )
-        elif first["type"] == "missing":
-            problem, remedy = "is missing", "add it (scenes/FORMAT.md lists the fields)"
-        else:
-            got = repr(first["input"])
-            remedy = "see scenes/FORMAT.md" if len(got) > 60 else f"got {got}"
-        place = f"{field} (as changed by {user.name}: {at})" if user else field
-        raise InputError(path, place, problem, remedy) from error
