@@ -1,6 +1,6 @@
 """Triangle meshes, loaded, checked and given one array of normals that both renderers use."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from scenes.errors import InputError
 from scenes.schema import PRIMITIVES, Object
 
 FORMATS = (".ply", ".obj", ".stl", ".glb")
+FURTHEST = 1e15  # squares of coordinates, as in areas, stay inside float32
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,10 +37,10 @@ def load_mesh(mesh: str) -> Mesh:
 
     Normals stored in the file are kept; otherwise vertices at one position are merged and get
     the angle-weighted mean of their faces' normals (Thürmer and Wüthrich 1998). Triangles without
-    area are dropped.
+    area are dropped. A closed mesh that is inside out is turned.
 
     Raises:
-        InputError: the file is missing, unreadable, empty, or holds NaN.
+        InputError: the file is missing, unreadable, empty, or holds NaN, Inf or huge numbers.
     """
     if mesh in PRIMITIVES:
         return _sphere() if mesh == "sphere" else _plane()
@@ -52,43 +53,55 @@ def load_mesh(mesh: str) -> Mesh:
         raw = trimesh.load(path, process=False, force="mesh")
         vertices, faces = np.asarray(raw.vertices, float), np.asarray(raw.faces)
     except Exception as error:  # each of trimesh's readers raises what it likes
-        problem = f"cannot be read as a mesh ({type(error).__name__})"
+        problem = f"is damaged, or not a {path.suffix} file"
         raise InputError(path, "mesh", problem, "export it again") from error
     if len(faces) == 0 or len(vertices) == 0:
         raise InputError(path, "mesh", "has no triangles", "give a mesh with at least one triangle")
-    if not np.isfinite(vertices).all():
-        bad = int((~np.isfinite(vertices)).any(axis=1).sum())
-        raise InputError(path, "vertices", f"{bad} hold NaN or Inf", "export it again")
+    if bad := int((~(np.abs(vertices) <= FURTHEST)).any(axis=1).sum()):
+        problem = f"{bad} are NaN, Inf or beyond {FURTHEST:g}"
+        raise InputError(path, "vertices", problem, "export it again")
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(path, "faces", "name vertices that do not exist", "export it again")
     stored = raw._cache.cache.get("vertex_normals")
     if stored is None or np.shape(stored) != vertices.shape or not np.isfinite(stored).all():
-        raw = trimesh.Trimesh(vertices, faces, process=False)
-        raw.merge_vertices()
         stored = None
-    raw.update_faces(raw.area_faces > 0)
+    # trimesh's tolerances are lengths: they fit a mesh of size 1 at the origin.
+    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    size = np.ptp(vertices, axis=0).max() or 1.0
+    raw = trimesh.Trimesh((vertices - middle) / size, faces, vertex_normals=stored, process=False)
+    if stored is None:
+        raw.merge_vertices()
+    raw.update_faces(raw.area_faces > trimesh.tol.zero)
     raw.remove_unreferenced_vertices()
     if len(raw.faces) == 0:
         raise InputError(path, "faces", "all have zero area", "give a mesh with a surface")
-    return _mesh(raw, raw.vertex_normals)
+    made = _mesh(raw, raw.vertex_normals)
+    return replace(made, vertices=np.float32(raw.vertices * size + middle))
 
 
 def _mesh(raw: trimesh.Trimesh, normals: np.ndarray) -> Mesh:
     """Freeze a trimesh; a normal of no length becomes the direction of its first face."""
     normals = np.array(normals, float)
     lengths = np.linalg.norm(normals, axis=1)
-    if (flat := lengths < 1e-12).any():
+    if (flat := ~(lengths > 1e-12)).any():
         first = np.zeros(len(normals), int)
         first[raw.faces[::-1].ravel()] = np.repeat(np.arange(len(raw.faces))[::-1], 3)
         normals[flat] = raw.face_normals[first[flat]]
         lengths[flat] = 1
-    welded = raw.copy()
+    normals /= lengths[:, None]
+    faces, welded = np.asarray(raw.faces), raw.copy()
     welded.merge_vertices(merge_norm=True, merge_tex=True)
+    closed = bool(welded.is_watertight and welded.is_winding_consistent)
+    a, b, c = welded.triangles.transpose(1, 0, 2)
+    if closed and (a * np.cross(b, c)).sum() < 0:  # six times the signed volume
+        faces = faces[:, ::-1]
+        if (normals[faces].sum(axis=1) * -raw.face_normals).sum() < 0:
+            normals = -normals
     return Mesh(
         np.ascontiguousarray(raw.vertices, np.float32),
-        np.ascontiguousarray(normals / lengths[:, None], np.float32),
-        np.ascontiguousarray(raw.faces, np.uint32),
-        bool(welded.is_watertight and welded.is_winding_consistent),
+        np.ascontiguousarray(normals, np.float32),
+        np.ascontiguousarray(faces, np.uint32),
+        closed,
     )
 
 
