@@ -10,6 +10,9 @@ import OpenImageIO as oiio
 from scenes.errors import InputError
 
 FORMATS = (".exr", ".hdr")
+LARGEST = 16384  # texels a side that every OpenGL 4 driver takes
+# TIFF's orientations that are mere flips: steps over rows and columns.
+FLIPS = {1: (1, 1), 2: (1, -1), 3: (-1, -1), 4: (-1, 1)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,15 +69,36 @@ def read_pixels(path: Path, field: str) -> np.ndarray:
         raise InputError(path, field, f"cannot be read ({reason[-1]})", "export it again")
     try:
         spec = image.spec()
-        names = [n.rsplit(".", 1)[-1].upper() for n in spec.channelnames]
+        size = f"{spec.full_width}x{spec.full_height} pixels"
+        if max(spec.width, spec.height, spec.full_width, spec.full_height) > LARGEST:
+            raise InputError(path, field, f"has {size}", f"give at most {LARGEST} a side")
+        orientation = spec.get_int_attribute("Orientation", 1)
+        if orientation not in FLIPS:
+            raise InputError(path, field, "is stored on its side", "export it again, row 0 on top")
         pixels = image.read_image(oiio.FLOAT)
         if pixels is None:
             raise InputError(path, field, "is damaged or cut short", "export it again")
     finally:
         image.close()
+    names = [n.rsplit(".", 1)[-1].upper() for n in spec.channelnames]
     pixels = np.asarray(pixels, np.float32).reshape(spec.height, spec.width, spec.nchannels)
+    pixels = _whole(pixels, spec)
+    pixels = pixels[:: FLIPS[orientation][0], :: FLIPS[orientation][1]]
     if {"R", "G", "B"} <= set(names):
         return np.ascontiguousarray(pixels[..., [names.index(c) for c in "RGB"]])
     if spec.nchannels == 1:
         return np.repeat(pixels, 3, axis=2)
     raise InputError(path, field, f"has channels {names}, not R, G and B", "export it as RGB")
+
+
+def _whole(pixels: np.ndarray, spec: oiio.ImageSpec) -> np.ndarray:
+    """The picture's display window: what an EXR stores beyond it is cut, what it lacks is 0."""
+    left, top = spec.x - spec.full_x, spec.y - spec.full_y
+    shape = (spec.full_height, spec.full_width)
+    if (left, top, *pixels.shape[:2]) == (0, 0, *shape):
+        return pixels
+    whole = np.zeros((*shape, pixels.shape[2]), np.float32)
+    rows, columns = np.arange(pixels.shape[0]) + top, np.arange(pixels.shape[1]) + left
+    inside_y, inside_x = (rows >= 0) & (rows < shape[0]), (columns >= 0) & (columns < shape[1])
+    whole[np.ix_(rows[inside_y], columns[inside_x])] = pixels[np.ix_(inside_y, inside_x)]
+    return whole
