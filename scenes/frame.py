@@ -55,6 +55,7 @@ def save_frame(frame: Frame, path: Path) -> None:
         image = oiio.ImageOutput.create(str(aside))
         if not (image.open(str(aside), spec) and image.write_image(pixels) and image.close()):
             raise OSError(image.geterror() or "write failed")
+        path.with_suffix(".json").unlink(missing_ok=True)
         os.replace(aside, path)
         write_text(path.with_suffix(".json"), json.dumps(record, indent=1))
     except OSError as error:
