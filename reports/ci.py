@@ -11,6 +11,13 @@ from reports.terminal import describe
 from scenes.frame import write_text
 
 
+COLUMNS = ("verdict", "case", "object", "material", "GGX share", "technique", "truth") + (
+    "local energy",
+    "energy",
+    "SSIM",
+)
+
+
 def write_junit(results: Results, path: Path) -> None:
     """JUnit XML: one test per row; missing rows and the run's own reasons are failures too."""
     suite = TestSuite(f"shadeproof.{results.suite}")
@@ -44,8 +51,8 @@ def markdown(results: Results) -> str:
     lines += [f"- {reason}" for reason in results.reasons]
     lines += [
         "",
-        "| verdict | case | object | material | GGX share | technique | truth | local energy | energy | SSIM |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |",
+        f"| {' | '.join(COLUMNS)} |",
+        f"|{' --- |' * len(COLUMNS)}",
     ]
     lines += [_line(row) for row in worst_first(results.rows)[:20]]
     lines += [

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from reference import probe as reference_probe
 from reference.batches import grow
-from reference.mixture import brdf_values as mixture_values
 from reference.store import Store
 from reference.timing import seconds_per_sample
 from renderer import probe
@@ -327,6 +327,6 @@ def stability() -> list[Agreement]:
         ours = probe.brdf_values(material, wi, wo)
         exact = oracle(material, wi, wo)
         found.append(agreement(material, "double precision", ours, exact, wi, wo))
-        theirs = mixture_values(material, wi, wo)
+        theirs = reference_probe.brdf_values(material, wi, wo)
         found.append(agreement(material, "Mitsuba", ours, theirs, wi, wo))
     return found

@@ -94,7 +94,9 @@ class Metric:
             return ""
         if self.name == "ssim":
             return f"±{GAP}{similarity(half)}"
-        return f"±{GAP}{percent(half, decimals=_decimals(self.value(row)))}"
+        # As many decimals as the figure, and more where they would say that there is no noise.
+        decimals = max(_decimals(self.value(row)), _first_decimal(half))
+        return f"±{GAP}{percent(half, decimals=decimals)}"
 
     def allowed(self, limit: float) -> str:
         """The budget, as '≤ 20 %' or '≥ 0.97'."""
@@ -133,3 +135,8 @@ def _decimals(value: float) -> int:
     """Decimals of a percentage that leave three digits."""
     size = abs(100 * value)
     return 0 if size >= 100 else 1 if size >= 10 else 2
+
+
+def _first_decimal(value: float) -> int:
+    """The decimal in which the first digit of a percentage stands, at most the fourth."""
+    return min(max(-math.floor(math.log10(100 * value)), 0), 4) if value > 0 else 0

@@ -19,10 +19,16 @@ class PictureError(Exception):
 
 @dataclass
 class CaseFrames:
-    """A case's frames by the names of its record; each is read once."""
+    """A case's frames by the names of its record; each is read once.
+
+    Attributes:
+        folder: what the record's paths are relative to.
+        rows: the rows of this case.
+    """
 
     record: CaseRecord
     folder: Path
+    rows: list[Row]
     _read: dict[str, Frame] = field(default_factory=dict)
     _views: dict[tuple[str, str], TruthView] = field(default_factory=dict)
 
@@ -33,7 +39,8 @@ class CaseFrames:
             PictureError: there is no such picture.
         """
         if technique not in self.record.candidates:
-            raise PictureError(f"{technique} gave no picture of this case")
+            known = (r.problem for r in self.rows if r.technique == technique and r.problem)
+            raise PictureError(next(known, f"the run recorded none of {technique}"))
         return self._frame(self.record.candidates[technique]).rgb
 
     def halves(self, truth: str) -> np.ndarray:
@@ -59,12 +66,19 @@ class CaseFrames:
 
     @cached_property
     def exposure(self) -> float:
-        """One display scale for the whole case, by all objects in `global` or the first truth."""
-        names = sorted(self.record.truths, key=lambda name: name != "global")
-        if not names:
-            return 1.0
-        masks = [self.mask(names[0], name) for name in self.record.objects]
-        return exposure_for(self.truth(names[0]), np.any(masks, axis=0))
+        """One display scale for the whole case: the middle one of its objects.
+
+        Where no candidate could be compared, that of all objects in a truth; 1 without a truth.
+        """
+        if known := [r.exposure for r in self.rows if r.exposure > 0]:
+            return float(np.median(known))
+        for name in self.record.truths:
+            try:
+                masks = [self.mask(name, of) for of in self.record.objects]
+                return exposure_for(self.truth(name), np.any(masks, axis=0))
+            except PictureError:
+                continue
+        return 1.0
 
     def subject(self, row: Row) -> tuple[Subject, tuple[slice, slice]]:
         """What the metrics saw of a row's object, and where in the picture that lies."""

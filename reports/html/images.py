@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -57,28 +58,24 @@ MAPS: dict[str, tuple[Callable[[Subject], np.ndarray], Scale]] = {
 }
 
 
-def case_pictures(frames: CaseFrames, rows: list[Row]) -> list[Picture]:
-    """Every picture of a case: candidates, truths, and the maps of each pair of them.
-
-    Args:
-        rows: the rows of this case; they say which pairs and which objects there are.
-    """
+def case_pictures(frames: CaseFrames) -> list[Picture]:
+    """Every picture of a case: candidates, truths, and the maps of each pair of them."""
+    rows = frames.rows
     size = frames.record.width, frames.record.height
     techniques = list(dict.fromkeys([*frames.record.candidates, *(r.technique for r in rows)]))
     truths = list(dict.fromkeys([*frames.record.truths, *(r.truth for r in rows)]))
     pictures = [
-        _made("candidate", t, "", size, lambda t=t: picture(frames.candidate(t), frames.exposure))
+        _made("candidate", t, "", size, partial(_whole, frames, frames.candidate, t))
         for t in techniques
     ]
     pictures += [
-        _made("truth", "", t, size, lambda t=t: picture(frames.truth(t), frames.exposure))
-        for t in truths
+        _made("truth", "", t, size, partial(_whole, frames, frames.truth, t)) for t in truths
     ]
     for technique, truth in dict.fromkeys((r.technique, r.truth) for r in rows):
         pair = [r for r in rows if (r.technique, r.truth) == (technique, truth)]
-        for kind in MAPS:
-            make = lambda kind=kind, pair=pair: _map(frames, pair, kind)  # noqa: E731
-            pictures.append(_made(kind, technique, truth, size, make))
+        pictures += [
+            _made(kind, technique, truth, size, partial(_map, frames, pair, kind)) for kind in MAPS
+        ]
     return pictures
 
 
@@ -101,9 +98,14 @@ def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:
 
     size = _size(window) if window else (0, 0)
     return [
-        _made(kind, row.technique, row.truth, size, lambda kind=kind: shown(kind))
+        _made(kind, row.technique, row.truth, size, partial(shown, kind))
         for kind in ("candidate", "truth", "signed")
     ]
+
+
+def _whole(frames: CaseFrames, read: Callable[[str], np.ndarray], name: str) -> str:
+    """A whole picture at the case's exposure."""
+    return picture(read(name), frames.exposure)
 
 
 def _map(

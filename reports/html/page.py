@@ -107,7 +107,7 @@ def page_of(results: Results, folder: Path) -> Page:
     order = {case: i for i, case in reversed(list(enumerate(r.case for r in ranked)))}
     records = sorted(results.cases, key=lambda c: order.get(c.id, len(ranked)))
     # Frames are dropped case by case: those of a whole suite may not fit into memory.
-    views = [_case(results, CaseFrames(c, folder), ranked) for c in records]
+    views = [_case(results, CaseFrames(c, folder, _of(ranked, c))) for c in records]
     place = next((c for c in records if worst and c.id == worst.case), None)
     return Page(
         results=results,
@@ -115,7 +115,7 @@ def page_of(results: Results, folder: Path) -> Page:
         counts=_counts(results.rows),
         worst=worst,
         worst_id=row_id(worst) if worst else "",
-        close_ups=close_ups(CaseFrames(place, folder), worst) if place and worst else [],
+        close_ups=_close_ups(place, folder, ranked),
         techniques=list(dict.fromkeys(r.technique for r in results.rows)),
         truths=list(dict.fromkeys(r.truth for r in results.rows)),
         chosen=(worst.technique, worst.truth) if worst else ("", ""),
@@ -130,10 +130,20 @@ def page_of(results: Results, folder: Path) -> Page:
     )
 
 
-def _case(results: Results, frames: CaseFrames, ranked: list[Row]) -> CaseView:
-    record = frames.record
-    rows = [r for r in ranked if r.case == record.id]
-    pictures = case_pictures(frames, rows)
+def _of(rows: list[Row], record: CaseRecord) -> list[Row]:
+    return [r for r in rows if r.case == record.id]
+
+
+def _close_ups(place: CaseRecord | None, folder: Path, ranked: list[Row]) -> list[Picture]:
+    """Those of the worst row, if the run recorded its case."""
+    if place is None:
+        return []
+    return close_ups(CaseFrames(place, folder, _of(ranked, place)), ranked[0])
+
+
+def _case(results: Results, frames: CaseFrames) -> CaseView:
+    record, rows = frames.record, frames.rows
+    pictures = case_pictures(frames)
     techniques = list(dict.fromkeys(p.technique for p in pictures if p.kind == "candidate"))
     truths = list(dict.fromkeys(p.truth for p in pictures if p.kind == "truth"))
     chosen = (rows[0].technique, rows[0].truth) if rows else (

@@ -30,5 +30,5 @@ def colour_map(values: np.ndarray, inside: np.ndarray, scale: Scale) -> str:
 
 def _uri(image: Image.Image, **options: int) -> str:
     data = io.BytesIO()
-    image.save(data, "PNG", compress_level=9, **options)
+    image.save(data, "PNG", compress_level=6, **options)  # 9 takes 6 times as long for 2 %
     return "data:image/png;base64," + base64.b64encode(data.getvalue()).decode("ascii")

@@ -1,6 +1,6 @@
 """The one sentence on top: what is worst, where, and by how much."""
 
-from reports.html.figures import METRICS, percent, tightest
+from reports.html.figures import GAP, METRICS, percent, tightest
 from reports.results import Results, Row
 
 
@@ -40,7 +40,7 @@ def _clause(row: Row) -> str:
         return f"no row has a budget, the largest local energy error is {error}, {who} ({pair})"
     metric = METRICS[name]
     spread = f" {metric.spread(row)}" if metric.spread(row) else ""
-    limit = metric.allowed(row.budget[name]).lstrip("≤≥\u202f")
+    limit = metric.allowed(row.budget[name]).split(GAP, 1)[1]
     figures = f"{metric.show(metric.value(row))}{spread} against {limit} ({pair})"
     if row.verdict == "fail":
         return f"{who} misses its {metric.budget_label} budget: {figures}"

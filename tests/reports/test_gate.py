@@ -1,0 +1,160 @@
+"""Verdicts: what passes, what fails, and what must never pass unseen."""
+
+import math
+from xml.etree import ElementTree
+
+import pytest
+
+from reports import ci, gate
+from reports.results import Missing, Results, Row
+from scenes.suite import Budget
+
+PASSING = {
+    "ssim": 0.95,
+    "ssim_ci95": (0.94, 0.96),
+    "energy_error": 0.01,
+    "energy_ci95": (0.005, 0.015),
+    "energy_local": 0.03,
+    "energy_local_ci95": (0.02, 0.04),
+    "reference_spp": 256,
+}
+RULES = [Budget(technique="paper", truth="global", energy_error=0.05, energy_local=0.1, ssim=0.9)]
+
+
+def row(**changes):
+    fields = {
+        "case": "bunnies.courtyard",
+        "scene": "bunnies",
+        "environment": "courtyard",
+        "object": "silver",
+        "material": "silver",
+        "roughness": 0.1,
+        "metallic": 1.0,
+        "weight": 1.0,
+        "weight_g": 1.0,
+        "technique": "paper",
+        "truth": "global",
+    }
+    return Row(**(fields | PASSING | changes))
+
+
+def results(rows, **changes):
+    fields = {
+        "suite": "s",
+        "suite_path": "s.toml",
+        "description": "",
+        "command": "shadeproof gate",
+        "created": "",
+        "seconds": 1.0,
+        "provenance": {},
+        "allow_inconclusive": False,
+        "expected_rows": len(rows),
+        "missing": [],
+        "skipped": [],
+        "cases": [],
+        "budgets": RULES,
+        "rows": rows,
+        "verdict": "fail",
+        "reasons": [],
+    }
+    return gate.conclude(Results(**(fields | changes)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "verdict"),
+    [
+        ({}, "pass"),
+        ({"energy_error": 0.08, "energy_ci95": (0.07, 0.09)}, "fail"),
+        ({"energy_error": -0.08, "energy_ci95": (-0.09, -0.07)}, "fail"),
+        ({"energy_error": 0.05, "energy_ci95": (0.04, 0.06)}, "inconclusive"),
+        ({"energy_error": -0.05, "energy_ci95": (-0.06, -0.04)}, "inconclusive"),
+        ({"energy_local": 0.2, "energy_local_ci95": (0.19, 0.21)}, "fail"),
+        ({"ssim": 0.85, "ssim_ci95": (0.84, 0.86)}, "fail"),
+        ({"ssim": 0.9, "ssim_ci95": (0.89, 0.91)}, "inconclusive"),
+        ({"ssim": math.nan, "ssim_ci95": (math.nan, math.nan)}, "fail"),
+        ({"problem": "is blank where the truth is not"}, "fail"),
+        ({"truth": "unoccluded"}, "reported"),
+    ],
+)
+def test_a_row_is_judged_by_its_whole_interval(changes, verdict):
+    assert gate.judge(row(**changes), RULES).verdict == verdict
+
+
+def test_an_override_changes_only_the_rows_it_names():
+    rules = [
+        *RULES,
+        Budget(technique="paper", truth="global", material="silver", ssim=0.5, reason="because"),
+    ]
+    low = {"ssim": 0.6, "ssim_ci95": (0.59, 0.61)}
+    judged = gate.judge(row(**low), rules)
+    assert judged.verdict == "pass"
+    assert judged.budget["energy_local"] == 0.1
+    assert "because" in judged.note
+    assert gate.judge(row(material="copper", **low), rules).verdict == "fail"
+
+
+def test_inconclusive_says_how_many_samples_would_decide():
+    judged = gate.judge(row(energy_error=0.045, energy_ci95=(0.025, 0.065)), RULES)
+    assert "about 4096 samples" in judged.note  # 16 times the 256 for a quarter of the width
+
+
+@pytest.mark.parametrize(
+    ("rows", "changes", "reason"),
+    [
+        ([], {}, "no case"),
+        (
+            [row()],
+            {"missing": [Missing(case="c", object="o", technique="t", truth="global")]},
+            "missing",
+        ),
+        ([row(problem="took longer than 5 s")], {}, "fail"),
+        ([row(energy_error=0.05, energy_ci95=(0.04, 0.06))], {}, "inconclusive"),
+        ([row(truth="unoccluded")], {}, "nothing was judged"),
+    ],
+)
+def test_a_run_fails_with_its_reason(rows, changes, reason):
+    judged = [gate.judge(r, RULES) for r in rows]
+    concluded = results(judged, **changes)
+    assert concluded.verdict == "fail"
+    assert any(reason in r for r in concluded.reasons)
+
+
+def test_a_good_run_passes():
+    assert results([gate.judge(row(), RULES)]).verdict == "pass"
+
+
+def test_inconclusive_passes_where_the_suite_allows_it():
+    rows = [gate.judge(row(energy_error=0.05, energy_ci95=(0.04, 0.06)), RULES)]
+    assert results(rows, allow_inconclusive=True).verdict == "pass"
+
+
+def test_missing_rows_are_those_the_run_did_not_give():
+    wanted = Missing(case="bunnies.courtyard", object="silver", technique="paper", truth="global")
+    other = wanted.model_copy(update={"object": "copper"})
+    assert gate.missing_rows([wanted, other], [row()]) == [other]
+
+
+def test_the_worst_row_is_the_one_furthest_over_its_budget():
+    bad = gate.judge(row(object="bad", ssim=0.85, ssim_ci95=(0.84, 0.86)), RULES)
+    worse = gate.judge(row(object="worse", energy_local=0.4, energy_local_ci95=(0.4, 0.4)), RULES)
+    broken = gate.judge(row(object="broken", problem="crashed"), RULES)
+    order = [r.object for r in gate.worst_first([gate.judge(row(), RULES), bad, worse, broken])]
+    assert order == ["broken", "worse", "bad", "silver"]
+
+
+def test_junit_counts_failures_and_missing_rows(tmp_path):
+    failing = gate.judge(row(ssim=0.85, ssim_ci95=(0.84, 0.86)), RULES)
+    gap = Missing(case="c", object="o", technique="t", truth="global")
+    run = results([gate.judge(row(), RULES), failing], missing=[gap])
+    ci.write_junit(run, tmp_path / "junit.xml")
+    root = ElementTree.parse(tmp_path / "junit.xml").getroot()
+    assert (root.get("failures"), root.get("errors"), root.get("tests")) == ("2", "1", "4")
+
+
+def test_the_summary_goes_where_github_says_and_errors_are_annotated(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path / "step.md"))
+    monkeypatch.setenv("GITHUB_ACTIONS", "true")
+    ci.annotate(results([gate.judge(row(problem="50% gone\nnow"), RULES)]), tmp_path / "summary.md")
+    assert "FAIL" in (tmp_path / "step.md").read_text()
+    assert "::error title=shadeproof bunnies.courtyard::" in (said := capsys.readouterr().out)
+    assert "50%25 gone%0Anow" in said
