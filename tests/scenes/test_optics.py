@@ -54,7 +54,8 @@ def test_observer_has_the_published_sum_and_sees_equal_energy_as_neutral():
     observer = np.loadtxt(HERE / "cie1931.csv", delimiter=",", comments=["#", "wavelength_nm"])
     assert observer[:, 0].tolist() == list(range(360, 831, 5))
     total = observer[:, 1:].sum(axis=0)
-    # 106.857 lm nm: Wyszecki and Stiles 1982, Color Science, at 5 nm; x, y, z = 1/3 within 1e-4 (tabulated digits).
+    # 106.857 lm nm: Wyszecki and Stiles 1982, Color Science, at 5 nm; x, y, z = 1/3 within
+    # 1e-4 (tabulated digits).
     assert 5 * total[1] == pytest.approx(106.857, abs=5e-4)
     assert total / total.sum() == pytest.approx([1 / 3] * 3, abs=1e-4)
 

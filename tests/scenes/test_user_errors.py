@@ -1,0 +1,136 @@
+"""Every mistake in a suite, scene or material ends in one line: file, field and remedy."""
+
+import pytest
+
+from scenes.suite import expand, load_suite
+
+MATERIAL = 'material = "copper"'
+RUN = 'environments = ["studio"]'
+BUDGET = 'techniques = ["paper"]\ntruths = ["global"]\n'
+
+
+def changed(fields: str) -> str:
+    return f'material = {{ use = "copper", {fields} }}'
+
+
+# What is replaced, by what, and the file, field and remedy that the message must hold.
+IN_SCENE = [
+    (MATERIAL, 'material = "coper"', "object.0.material", "copper"),
+    (MATERIAL, 'material = "own.toml"', "object.0.material", "a path starts at"),
+    (MATERIAL, "material = 7", "object.0.material", "valid string"),
+    (MATERIAL, "material = { weight = 1.0 }", "object.0.material", "add use"),
+    (MATERIAL, changed("weight = 1.5"), "weight", "less than or equal to 1"),
+    (MATERIAL, changed("weight = -0.5"), "weight", "greater than or equal to 0"),
+    (MATERIAL, changed("weight = [0.6, 0.6]"), "weight", "sum to 1"),
+    (MATERIAL, changed("weight = [1.2, -0.2]"), "weight", "from 0 to 1"),
+    (MATERIAL, changed("weight = [0.5, 0.3, 0.2]"), "weight", "give [ggx, beckmann]"),
+    (MATERIAL, changed("weight_g = [0.5, 0.6]"), "weight_g", "sum to 1"),
+    (MATERIAL, changed("weight = nan"), "weight", "finite"),
+    (MATERIAL, changed("colour = 1"), "colour", "roughness"),
+    (MATERIAL, changed('metal = "Xx"'), "metal", "use one of Ag"),
+    (MATERIAL, changed('f0 = "Cu"'), "f0", "use one of acrylic"),
+    (MATERIAL, changed("f0 = [2.0, 0.0, 0.0]"), "f0", "less than or equal to 1"),
+    (MATERIAL, changed("metallic = 0.5"), "material", "add albedo"),
+    (MATERIAL, changed("roughness = 2.0"), "roughness", "less than or equal to 1"),
+    ('mesh = "sphere"', 'mesh = "sphre"', "object.0.mesh", "sphere, plane, bunny"),
+    ('mesh = "sphere"', 'mesh = "none.ply"', "object.0.mesh", "a path starts at"),
+    ('mesh = "sphere"', 'mesh = "a\\nb"', "object.0.mesh", "use one of"),
+    ('mesh = "sphere"', 'mesh = "\\u0000.ply"', "object.0.mesh", "a path starts at"),
+    ('mesh = "sphere"', f'mesh = "{"x" * 5000}.ply"', "object.0.mesh", "a path starts at"),
+    ('mesh = "sphere"', f'mesh = "{"x" * 5000}"', "object.0.mesh", "use one of"),
+    ('mesh = "sphere"', 'mesh = "sphere"\nscale = 0', "object.0.scale", "greater than 0"),
+    ('mesh = "sphere"', 'mesh = "sphere"\nheight = -1', "object.0.height", "greater than 0"),
+    ('mesh = "sphere"', 'mesh = "sphere"\nspin = 1', "object.0.spin", "FORMAT.md"),
+    ('name = "ball"', 'name = "a/b"', "object.0.name", "letters"),
+    ('name = "ball"', f'name = "{"n" * 300}"', "object.0.name", "up to 200 letters"),
+    ("[64, 48]", "[0, 48]", "resolution.0", "greater than 0"),
+    ("[64, 48]", "[64]", "resolution.1", "add it"),
+    ("[64, 48]", "[64, 99999]", "resolution.1", "less than or equal to 16384"),
+    ("fov = 30.0", "fov = 0.0", "camera.fov", "greater than 0"),
+    ("fov = 30.0", "", "camera.fov", "add it"),
+    ("fov = 30.0", "fov = 30.0\nzoom = 2", "camera.zoom", "FORMAT.md"),
+    ("target = [0.0, 0.0, 0.0]", "target = [0.0, nan, 0.0]", "camera.target.1", "finite"),
+    ("target = [0.0, 0.0, 0.0]", "target = [0.0, -4.0, 0.0]", "camera", "move the target"),
+    ("[camera]", "[camera", "line 4", "mend the syntax"),
+    ("[camera]", "x = " + "[" * 5000, "is not TOML", "mend the syntax"),
+]
+IN_SUITE = [
+    ('"studio"', '"studo"', "run.0.environments", "studio"),
+    ('"studio"', '"none.exr"', "run.0.environments", "a path starts at"),
+    (RUN, "environments = []", "run.0.environments", "at least 1"),
+    (RUN, RUN + "\nrotation = nan", "run.0.rotation", "finite"),
+    (RUN, RUN + "\nresolution = [64, 0]", "run.0.resolution.1", "greater than 0"),
+    (RUN, RUN + '\nmaterials = ["coper"]', "run.0.materials", "copper"),
+    (RUN, RUN + "\nmaterial = 1", "run.0.material", "FORMAT.md"),
+    (RUN, RUN + "\n[run.sweep]\nweight = [2.0]", "run.0.sweep.weight.0", "equal to 1"),
+    (RUN, RUN + "\n[run.sweep]\nweight = [[0.5, 0.6]]", "run.0.sweep.weight.0", "sum to 1"),
+    (RUN, RUN + "\n[run.sweep]\nangle = [2.0]", "run.0.sweep.angle", "FORMAT.md"),
+    (RUN, 'environments = ["studio", "studio"]', "ball.studio", "remove one"),
+    ('"ball.toml"', '"none.toml"', "run.0.scene", "a path starts at"),
+    ('"ball.toml"', '"none"', "run.0.scene", "bunnies"),
+    ('["global"]', '["globe"]', "truths.0", "'global'"),
+    ('["paper"]', '["paper", "paper"]', "techniques", "leave one"),
+    ('["paper"]', "[]", "techniques", "at least 1"),
+    ('["global"]', '["global"]\nbudgets = 1', "budgets", "budget"),
+    (BUDGET, BUDGET + "[reference]\nmax_samples = 10", "reference", "at least 256"),
+    (BUDGET, BUDGET + '[model]\nmasking = "none"', "model.masking", "'paper'"),
+    (
+        BUDGET,
+        BUDGET + '[[budget]]\ntechnique = "paper"\ntruth = "global"\nscene = "ball"',
+        "budget.0",
+        "add reason",
+    ),
+    (
+        BUDGET,
+        BUDGET + '[[budget]]\ntechnique = "paper"\ntruth = "global"\nssim = 2.0',
+        "budget.0.ssim",
+        "less than or equal to 1",
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "field", "remedy"), IN_SCENE, ids=lambda v: str(v)[:40])
+def test_a_mistake_in_a_scene_names_the_scene(write_suite, refused, old, new, field, remedy):
+    path = write_suite(old, new)
+    refused(lambda: expand(*load_suite(str(path))), "ball.toml", field, remedy)
+
+
+@pytest.mark.parametrize(("old", "new", "field", "remedy"), IN_SUITE, ids=lambda v: str(v)[:40])
+def test_a_mistake_in_a_suite_names_the_suite(write_suite, refused, old, new, field, remedy):
+    path = write_suite(old, new)
+    refused(lambda: expand(*load_suite(str(path))), str(path), field, remedy)
+
+
+def test_a_mistake_in_a_material_names_the_material(write_suite, refused, tmp_path):
+    path = write_suite(MATERIAL, 'material = "own.toml"')
+    (tmp_path / "own.toml").write_text('roughness = 3.0\nmetallic = 1.0\nmetal = "Au"\n')
+    refused(lambda: expand(*load_suite(str(path))), "own.toml", "roughness", "equal to 1")
+
+
+def test_two_objects_of_one_name_are_refused(write_suite, refused, tmp_path):
+    path = write_suite()
+    scene = (tmp_path / "ball.toml").read_text()
+    (tmp_path / "ball.toml").write_text(scene + scene[scene.index("[[object]]") :])
+    refused(lambda: expand(*load_suite(str(path))), "ball.toml", "object", "give each its own")
+
+
+def test_a_file_whose_name_cannot_stand_in_a_case_is_refused(write_suite, refused, tmp_path):
+    path = write_suite('"ball.toml"', '"my ball.toml"')
+    (tmp_path / "ball.toml").rename(tmp_path / "my ball.toml")
+    refused(lambda: expand(*load_suite(str(path))), "suite.toml", "run.0", "rename the file")
+
+
+@pytest.mark.parametrize("name", ["defualt", "none/such.toml", "."])
+def test_an_unknown_suite_is_refused(refused, name):
+    refused(lambda: load_suite(name), "--suite", "suite", "path")
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00", b"= 1", b'description = "a\nb"'])
+def test_a_suite_that_is_not_toml_is_refused(refused, tmp_path, content):
+    (tmp_path / "bad.toml").write_bytes(content)
+    refused(lambda: load_suite(str(tmp_path / "bad.toml")), "bad.toml", "mend the syntax")
+
+
+def test_an_empty_suite_is_told_its_first_missing_field(refused, tmp_path):
+    (tmp_path / "empty.toml").write_text("")
+    refused(lambda: load_suite(str(tmp_path / "empty.toml")), "empty.toml", "description", "add it")
