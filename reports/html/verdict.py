@@ -22,8 +22,8 @@ def sentence(results: Results, ranked: list[Row]) -> str:
 
 def subject(row: Row) -> str:
     """Who and where: material, weight, scene, environment and the object if it adds anything."""
-    thing = "" if row.object == row.material else f"{row.object} in "
-    return f"{row.material} (weight {row.weight:g}) in {thing}{row.scene}/{row.environment}"
+    thing = "" if row.object == row.material else f" on {row.object}"
+    return f"{row.material} (weight {row.weight:g}){thing} in {row.scene}/{row.environment}"
 
 
 def against(row: Row) -> str:
@@ -37,7 +37,7 @@ def _clause(row: Row) -> str:
         return f"{who} could not be compared: {row.problem.rstrip('.')} ({pair})"
     if not name:
         error = percent(row.energy_local)
-        return f"no row has a budget, the largest local energy error is {error}, {who} ({pair})"
+        return f"the largest local energy error is {error}, of {who} ({pair})"
     metric = METRICS[name]
     spread = f" {metric.spread(row)}" if metric.spread(row) else ""
     limit = metric.allowed(row.budget[name]).split(GAP, 1)[1]

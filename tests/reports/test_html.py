@@ -145,7 +145,7 @@ def test_verdict_names_the_worst(folder):
     ]  # fmt: skip
     text = Page(written(results(rows), folder)).text["h1"].replace("\u202f", " ")
     assert text == (
-        "FAIL: silver (weight 0.75) in right in spheres/dusk misses its local energy budget: "
+        "FAIL: silver (weight 0.75) on right in spheres/dusk misses its local energy budget: "
         "31.2 % ± 0.2 % against 20 % (paper vs global)."
     )
 
@@ -155,7 +155,7 @@ def test_verdict_names_the_worst(folder):
     [
         ({}, "PASS: every budget is kept, the closest is"),
         ({"energy_local_ci95": (0.05, 0.3)}, "FAIL: noise hides whether copper (weight 0.25)"),
-        ({"truth": "unoccluded"}, "no row has a budget"),
+        ({"truth": "unoccluded"}, "so nothing was judged; the largest local energy error is 10.0"),
     ],
 )
 def test_verdict_says_what_kind_of_worst(folder, fields, words):
