@@ -91,6 +91,7 @@ class Renderer:
             "right": camera.right,
             "up": camera.up,
             "environment_turn": turn,
+            "pixel_area": _pixel_area(camera, case),
         }
         scale = self.technique.supersample
         target = make_target((case.width * scale, case.height * scale), self.technique.msaa)
@@ -170,6 +171,15 @@ def _placed(obj: Object, camera: View) -> dict[str, Any]:
         "normals_to_world": normals.astype(np.float32).tobytes(),
         "eye": camera.eye,
     }
+
+
+def _pixel_area(camera: View, case: Case) -> float:
+    """The area of a pixel on the image plane at distance 1."""
+    return (
+        4
+        * float(np.linalg.norm(camera.right) * np.linalg.norm(camera.up))
+        / (case.width * case.height)
+    )
 
 
 def _corners(case: Case) -> np.ndarray:

@@ -10,11 +10,9 @@ from reports.results import Results, Row
 from reports.terminal import describe
 from scenes.frame import write_text
 
-
-COLUMNS = ("verdict", "case", "object", "material", "GGX share", "technique", "truth") + (
-    "local energy",
-    "energy",
-    "SSIM",
+COLUMNS = (
+    *("verdict", "case", "object", "material", "GGX share", "technique", "truth"),
+    *("local energy", "energy", "SSIM"),
 )
 
 

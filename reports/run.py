@@ -29,7 +29,7 @@ from reports.speed import Timing
 from reports.stability import Agreement, agreement, directions, materials, oracle
 from scenes.errors import InputError
 from scenes.frame import Frame, save_frame
-from scenes.schema import Case, Object
+from scenes.schema import Case, Material, Object
 from scenes.suite import Entry, Suite, expand, load_suite
 
 OUTSIDE = "candidate"  # the technique under which an outside candidate's rows stand
@@ -98,6 +98,9 @@ def run(job: Job) -> Results:
             record, made = _run_entry(job, entry, report, checks)
             cases.append(record)
             rows += made
+    if not job.outside:
+        surfaces = {o.material for e in job.entries for o in e.case.judged}
+        checks.shaders += [_beside_oracle(m) for m in surfaces]
     expected = job.expected()
     results = Results(
         suite=job.path.stem,
@@ -147,9 +150,8 @@ def _run_entry(
         rows += judged
         truths[name] = _save_halves(job.out, case, name, batches)
         for label, frame in frames.items():
-            checks.add(
-                case, label, name, frame, batches[0], [r for r in judged if r.technique == label]
-            )
+            own = [r for r in judged if r.technique == label]
+            checks.add_frame(case, label, frame, batches[0], own)
     candidates = {}
     for label, frame in frames.items():
         candidates[label] = f"frames/{case.id}/{label}.exr"
@@ -319,14 +321,20 @@ def bench(job: Job) -> list[Timing]:
     return timings
 
 
+def _beside_oracle(material: Material) -> Agreement:
+    """The GLSL BRDF of a material beside double precision."""
+    wi, wo = directions(material.alpha)
+    ours = probe.brdf_values(material, wi, wo)
+    return agreement(material, "double precision", ours, oracle(material, wi, wo), wi, wo)
+
+
 def stability() -> list[Agreement]:
     """The GLSL BRDF beside double precision and beside Mitsuba, over alphas and weights."""
     found = []
     for material in materials():
+        found.append(_beside_oracle(material))
         wi, wo = directions(material.alpha)
         ours = probe.brdf_values(material, wi, wo)
-        exact = oracle(material, wi, wo)
-        found.append(agreement(material, "double precision", ours, exact, wi, wo))
         theirs = reference_probe.brdf_values(material, wi, wo)
         found.append(agreement(material, "Mitsuba", ours, theirs, wi, wo))
     return found

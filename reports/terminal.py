@@ -12,21 +12,22 @@ STYLE = {"pass": "green", "fail": "red", "inconclusive": "yellow", "reported": "
 
 
 def print_results(results: Results, console: Console) -> None:
-    """One table per run: local energy error, energy error and SSIM of every row."""
+    """One table: materials down, weights across, a section per case, technique and truth."""
     weights = sorted({r.weight for r in results.rows}, reverse=True)
-    table = Table(
-        box=box.SIMPLE_HEAD, title=f"{results.suite}: {results.description}", title_style=""
-    )
-    for heading in ("scene", "environment", "material", "technique", "truth"):
-        table.add_column(heading, overflow="fold")
+    table = Table(box=box.SIMPLE_HEAD, title=f"{results.suite}: {results.description}")
+    table.add_column("material")
     for weight in weights:
-        table.add_column(f"GGX share {weight:g}", justify="right", no_wrap=True)
-    lines: dict[tuple[str, ...], dict[float, list[Row]]] = {}
+        table.add_column(f"GGX share {weight:g}", justify="right")
+    sections: dict[str, dict[str, dict[float, list[Row]]]] = {}
     for row in results.rows:
-        key = (row.scene, row.environment, _label(row), row.technique, row.truth)
-        lines.setdefault(key, {}).setdefault(row.weight, []).append(row)
-    for key, cells in lines.items():
-        table.add_row(*key, *(_cell(cells.get(weight, [])) for weight in weights))
+        heading = f"{row.case}: {row.technique} against {row.truth}"
+        line = sections.setdefault(heading, {}).setdefault(_label(row), {})
+        line.setdefault(row.weight, []).append(row)
+    for heading, lines in sections.items():
+        table.add_row(Text(heading, style="bold"))
+        for label, cells in lines.items():
+            table.add_row(f"  {label}", *(_cell(cells.get(weight, [])) for weight in weights))
+        table.add_section()
     console.print(table)
     console.print("Each cell: local energy error, energy error, SSIM.", style="dim")
     print_verdict(results, console)
@@ -61,9 +62,9 @@ def _figure(metric: str, value: float) -> str:
 
 
 def _label(row: Row) -> str:
-    """The object, and its material where the name does not say it."""
-    name = row.material if row.object == row.material else f"{row.object}: {row.material}"
-    return f"{name} r={row.roughness:g}"
+    return f"{row.material}, roughness {row.roughness:g}" + (
+        f", metallic {row.metallic:g}" if 0 < row.metallic < 1 else ""
+    )
 
 
 def _cell(rows: list[Row]) -> Text:
@@ -71,10 +72,6 @@ def _cell(rows: list[Row]) -> Text:
     for row in rows:
         if text:
             text.append("\n")
-        shown = (
-            row.problem
-            if row.problem
-            else f"{row.energy_local:.1%} {row.energy_error:+.1%} {row.ssim:.3f}"
-        )
-        text.append(shown, style=STYLE[row.verdict])
+        figures = f"{row.energy_local:.1%} {row.energy_error:+.1%} {row.ssim:.3f}"
+        text.append(row.problem or figures, style=STYLE[row.verdict])
     return text
