@@ -12,7 +12,8 @@ def metal(roughness=0.5, f0=1.0, **changes):
 
 def plastic(roughness=0.7, albedo=(0.5, 0.2, 0.1), **changes):
     """A dielectric."""
-    return Material(roughness=roughness, metallic=0, albedo=albedo, **changes)
+    fields = {"metallic": 0, "albedo": albedo} | changes
+    return Material(roughness=roughness, **fields)
 
 
 def project(camera, width, height, point):
