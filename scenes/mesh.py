@@ -50,8 +50,7 @@ def load_mesh(mesh: str) -> Mesh:
     if path.suffix.lower() not in FORMATS:
         raise InputError(path, "mesh", "unknown format", f"use one of {', '.join(FORMATS)}")
     try:
-        raw = trimesh.load(path, process=False, force="mesh")
-        vertices, faces = np.asarray(raw.vertices, float), np.asarray(raw.faces)
+        vertices, faces, stored = _read(path)
     except Exception as error:  # each of trimesh's readers raises what it likes
         problem = f"is damaged, or not a {path.suffix} file"
         raise InputError(path, "mesh", problem, "export it again") from error
@@ -62,8 +61,7 @@ def load_mesh(mesh: str) -> Mesh:
         raise InputError(path, "vertices", problem, "export it again")
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(path, "faces", "name vertices that do not exist", "export it again")
-    stored = raw._cache.cache.get("vertex_normals")
-    if stored is None or np.shape(stored) != vertices.shape or not np.isfinite(stored).all():
+    if stored is not None and not np.isfinite(stored).all():
         stored = None
     # trimesh's tolerances are lengths: they fit a mesh of size 1 at the origin.
     middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
@@ -77,6 +75,29 @@ def load_mesh(mesh: str) -> Mesh:
         raise InputError(path, "faces", "all have zero area", "give a mesh with a surface")
     made = _mesh(raw, raw.vertex_normals)
     return replace(made, vertices=np.float32(raw.vertices * size + middle))
+
+
+def _read(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """Vertices (n, 3), faces (m, 3) and, if every part stores them, normals (n, 3) of a file.
+
+    The parts of a GLB are placed as its scene graph says.
+    """
+    scene, count = trimesh.load_scene(path, process=False), 0
+    vertices, faces, normals = [np.empty((0, 3))], [np.empty((0, 3), int)], [np.empty((0, 3))]
+    for node in scene.graph.nodes_geometry:
+        matrix, name = scene.graph[node]
+        if not isinstance(part := scene.geometry[name], trimesh.Trimesh):
+            continue
+        # Asked for as a property, normals that are not stored would be computed.
+        stored = part._cache.cache.get("vertex_normals")
+        if stored is not None:
+            normals.append(stored @ np.linalg.inv(matrix[:3, :3]))
+        vertices.append(trimesh.transform_points(part.vertices, matrix))
+        mirrored = np.linalg.det(matrix[:3, :3]) < 0
+        faces.append(np.asarray(part.faces)[:, :: -1 if mirrored else 1] + count)
+        count += len(part.vertices)
+    complete = count == sum(len(n) for n in normals)
+    return np.vstack(vertices), np.vstack(faces), np.vstack(normals) if complete else None
 
 
 def _mesh(raw: trimesh.Trimesh, normals: np.ndarray) -> Mesh:
