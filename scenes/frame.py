@@ -2,6 +2,7 @@
 
 import json
 import os
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -59,7 +60,8 @@ def save_frame(frame: Frame, path: Path) -> None:
         os.replace(aside, path)
         write_text(path.with_suffix(".json"), json.dumps(record, indent=1))
     except OSError as error:
-        aside.unlink(missing_ok=True)
+        with suppress(OSError):
+            aside.unlink(missing_ok=True)
         raise InputError(
             path, "", f"cannot be written ({error})", "free or choose a folder"
         ) from error
@@ -99,7 +101,8 @@ def write_text(path: Path, text: str) -> None:
         aside.write_text(text)
         os.replace(aside, path)
     except OSError as error:
-        aside.unlink(missing_ok=True)
+        with suppress(OSError):
+            aside.unlink(missing_ok=True)
         raise InputError(
             path, "", f"cannot be written ({error})", "free or choose a folder"
         ) from error

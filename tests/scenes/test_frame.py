@@ -1,0 +1,120 @@
+"""Frames on disk: whole, exact, or not there."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+
+from scenes import frame as module
+from scenes.frame import Frame, load_frame, save_frame, write_text
+
+RNG = np.random.default_rng(3)
+RGB = RNG.normal(0, 1e5, (7, 9, 3)).astype(np.float32)
+IDS = RNG.integers(0, 255, (7, 9)).astype(np.uint8)
+
+
+@pytest.mark.parametrize("ids", [None, IDS], ids=["without ids", "with ids"])
+def test_a_frame_comes_back_bit_for_bit(tmp_path, ids):
+    path = tmp_path / "new" / "folder" / "frame.exr"
+    save_frame(Frame(RGB, ids, 1.25, {"seed": 3, "device": "llvmpipe"}), path)
+    loaded = load_frame(path)
+    np.testing.assert_array_equal(loaded.rgb, RGB)
+    assert (loaded.seconds, loaded.provenance) == (1.25, {"seed": 3, "device": "llvmpipe"})
+    if ids is None:
+        assert loaded.ids is None
+    else:
+        np.testing.assert_array_equal(loaded.ids, ids)
+    assert sorted(p.name for p in path.parent.iterdir()) == ["frame.exr", "frame.json"]
+
+
+def test_bad_numbers_are_kept_for_the_comparison_to_count(tmp_path):
+    bad = RGB.copy()
+    bad[0, 0] = np.nan, np.inf, -1
+    save_frame(Frame(bad), tmp_path / "bad.exr")
+    np.testing.assert_array_equal(load_frame(tmp_path / "bad.exr").rgb, bad)
+
+
+def test_a_picture_from_outside_needs_no_record(tmp_path):
+    save_frame(Frame(RGB, IDS, 1.0), tmp_path / "frame.exr")
+    (tmp_path / "frame.json").unlink()
+    loaded = load_frame(tmp_path / "frame.exr")
+    np.testing.assert_array_equal(loaded.rgb, RGB)
+    assert loaded.ids is None and np.isnan(loaded.seconds) and loaded.provenance == {}
+
+
+@pytest.mark.parametrize("record", ["", "[]", "{}", '{"seconds": "x"}', "{"])
+def test_a_record_that_is_not_ours_is_passed_over(tmp_path, record):
+    save_frame(Frame(RGB, IDS, 1.0), tmp_path / "frame.exr")
+    (tmp_path / "frame.json").write_text(record)
+    assert load_frame(tmp_path / "frame.exr").ids is None
+
+
+@pytest.mark.parametrize("kept", [0.0, 0.1, 0.9])
+def test_half_a_frame_is_no_frame(tmp_path, refused, kept):
+    path = tmp_path / "frame.exr"
+    save_frame(Frame(RGB, IDS, 1.0), path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(len(whole) * kept)])
+    refused(lambda: load_frame(path), "frame.exr", "frame", "export it again")
+
+
+class Killed(BaseException):
+    pass
+
+
+def test_a_write_that_is_killed_leaves_the_old_frame(tmp_path, monkeypatch):
+    path = tmp_path / "frame.exr"
+    save_frame(Frame(RGB, IDS, 1.0), path)
+
+    def killed(*_):
+        raise Killed
+
+    with monkeypatch.context() as patch:
+        patch.setattr(module.os, "replace", killed)
+        with pytest.raises(Killed):
+            save_frame(Frame(2 * RGB, IDS, 2.0), path)
+    np.testing.assert_array_equal(load_frame(path).rgb, RGB)
+
+
+def test_a_frame_without_its_record_is_unfinished(tmp_path, monkeypatch):
+    path = tmp_path / "frame.exr"
+    save_frame(Frame(RGB, IDS, 1.0), path)
+
+    def killed(*_):
+        raise Killed
+
+    monkeypatch.setattr(module, "write_text", killed)
+    with pytest.raises(Killed):
+        save_frame(Frame(2 * RGB, IDS, 2.0), path)
+    assert not path.with_suffix(".json").exists()  # not the old one beside the new picture
+
+
+@pytest.mark.parametrize("save", ["frame", "text"])
+def test_a_folder_that_cannot_be_written_is_refused(tmp_path, refused, save):
+    (tmp_path / "file").write_text("in the way")
+    path = tmp_path / "file" / "frame.exr"
+    with_frame = save == "frame"
+    refused(
+        lambda: save_frame(Frame(RGB), path) if with_frame else write_text(path, "{}"),
+        "frame.exr",
+        "cannot be written",
+        "choose a folder",
+    )
+
+
+def test_a_full_disk_is_refused_and_leaves_nothing(tmp_path, refused, monkeypatch):
+    full = SimpleNamespace(
+        open=lambda *_: True, write_image=lambda _: False, geterror=lambda: "No space left"
+    )
+    monkeypatch.setattr(oiio.ImageOutput, "create", lambda _: full)
+    path = tmp_path / "frame.exr"
+    refused(lambda: save_frame(Frame(RGB), path), "frame.exr", "No space left", "free")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_text_appears_whole(tmp_path):
+    write_text(tmp_path / "a" / "results.json", json.dumps({"α": 1}))
+    assert json.loads((tmp_path / "a" / "results.json").read_text()) == {"α": 1}
+    assert len(list((tmp_path / "a").iterdir())) == 1
