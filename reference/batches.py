@@ -146,9 +146,11 @@ def _machine() -> dict[str, str]:
 
 
 def _processor() -> str:
-    """The processor's name and how many of its cores this process may use."""
+    """The processor's name and how many threads Dr.Jit runs on it."""
+    import drjit as dr
+
     names = []
     if (cpuinfo := Path("/proc/cpuinfo")).is_file():
         lines = cpuinfo.read_text().splitlines()
         names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return f"{names[0] if names else platform.machine()}, {len(os.sched_getaffinity(0))} cores"
+    return f"{names[0] if names else platform.machine()}, {dr.thread_count()} threads"

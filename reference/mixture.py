@@ -110,7 +110,8 @@ class Mixture(mi.BSDF):
             callback.put(name, getattr(self, name), mi.ParamFlags.Differentiable)
 
     def to_string(self):
-        return f"Mixture[f0={self.f0}, albedo={self.albedo}, alpha={self.alpha}, D={self.weight}, G={self.weight_g}]"
+        names = ("albedo", "f0", "alpha", "weight", "weight_g")
+        return f"Mixture[{', '.join(f'{name}={getattr(self, name)}' for name in names)}]"
 
     def _shares(self, wi):
         """Chances that GGX, Beckmann and the cosine lobe are drawn; they sum to 1."""

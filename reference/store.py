@@ -38,7 +38,7 @@ class Store:
         return self.folder / key
 
     def load(self, case: Case, truth: Truth, sampling: Sampling) -> list[Frame]:
-        """The finished batches, by their number (provenance["batch"]); damaged ones are left out."""
+        """The finished batches in order of provenance["batch"]; damaged ones are left out."""
         folder = self.path(key(case, truth, sampling))
         background = _load(folder / "background.exr")
         if background is None or background.rgb.shape[:2] != (case.height, case.width):
@@ -99,9 +99,7 @@ class Store:
 
 
 def _load(path: Path) -> Frame | None:
-    """A finished frame, or None: without its JSON (written last) a frame is unfinished."""
-    if not path.with_suffix(".json").is_file():
-        return None
+    """A finished frame, or None: without its JSON (written last) a frame has no ids."""
     try:
         frame = load_frame(path)
     except InputError:

@@ -7,7 +7,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import drjit as dr
 import numpy as np
@@ -91,7 +91,7 @@ def stage(case: Case, truth: Truth) -> Stage:
     return Stage(case, scene, radiance, traced, _background(scene, case, ~traced), ids, notes)
 
 
-@lru_cache
+@cache
 def _path_tracer() -> Radiance:
     integrator = mi.load_dict(PATH)
     return lambda scene, sampler, ray: integrator.sample(scene, sampler, ray)[0]

@@ -61,7 +61,7 @@ def test_a_coloured_dielectric_says_that_its_f0_became_grey():
 
 
 def test_a_metal_without_eta_and_k_is_refused_by_name():
-    with pytest.raises(InputError, match="'ball'.*name a metal"):
+    with pytest.raises(InputError, match=r"'ball'.*name a metal"):
         bsdf_of(metal(f0=(0.9, 0.6, 0.5)))
 
 

@@ -3,9 +3,10 @@
 import drjit as dr
 import numpy as np
 import pytest
+from scipy.ndimage import binary_dilation
 
 from reference import truths
-from reference.scene_dict import build_scene
+from reference.scene_dict import build_scene, camera_rays
 from reference.settings import PATH, rounded_samples
 from reference.truths import mi, stage
 from scenes.schema import Camera, Material, Object
@@ -98,7 +99,7 @@ def test_one_bright_texel_is_seen_in_its_direction(rotation, make_case):
     azimuth = 2 * np.pi * ((column + 0.5) / 64 - rotation / 360)
     theta = np.pi * row / 31  # rows are aligned to the poles
     to_sun = [np.sin(azimuth) * np.sin(theta), np.cos(azimuth) * np.sin(theta), np.cos(theta)]
-    target = np.array(to_sun) + [0.2, -0.1, 0.15]
+    target = np.add(to_sun, [0.2, -0.1, 0.15])
     camera = Camera(origin=(0, 0, 0), target=tuple(target), fov=60)
     behind = Object(name="ball", mesh="sphere", material=metal(), position=tuple(-5 * target))
     case = make_case(
@@ -164,10 +165,32 @@ def test_a_wavefront_in_pieces_gives_the_same_picture(make_case, monkeypatch):
     assert np.abs(whole - pieces).mean() < 0.02 * whole.mean()
 
 
-def test_ids_and_traced_pixels_agree(make_case):
-    case = make_case()
+def test_every_pixel_that_an_object_touches_is_traced(make_case):
+    rng = np.random.default_rng(9)
+    pixel = 2 * 5 * np.tan(np.radians(20)) / 36  # at the distance of the origin
+    specks = tuple(
+        Object(name=f"{i}", mesh="sphere", material=BLACK, scale=r * pixel, position=place)
+        for i, (r, place) in enumerate(
+            zip(rng.uniform(0.2, 0.6, 40), rng.uniform(-1.4, 1.4, (40, 3)), strict=True)
+        )
+    )
+    case = make_case(objects=specks)
     ready = stage(case, "unoccluded")
-    assert ready.traced[ready.ids > 0].all()
+    count = 400
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(9, 36 * 48 * count)
+    index = dr.arange(mi.UInt32, 36 * 48 * count) // count
+    position = mi.Point2f(index % 48, index // 48) + sampler.next_2d()
+    hit = ready.scene.ray_test(camera_rays(ready.scene, case, position)).numpy()
+    hit = hit.reshape(36, 48, count).any(axis=2)
+    assert hit.sum() > 60
+    assert ready.traced[hit].all()
+    assert ready.traced.mean() < 0.4  # and not simply everything
+
+
+def test_ids_traced_pixels_and_background_agree(make_case):
+    ready = stage(make_case(), "unoccluded")
     assert set(np.unique(ready.ids)) == {0, 1}
+    assert ready.traced[binary_dilation(ready.ids > 0, np.ones((3, 3)))].all()
     assert (ready.background[ready.traced] == 0).all()
-    assert dr.all(mi.Float(ready.background[~ready.traced].ravel()) > 0)
+    assert (ready.background[~ready.traced] > 0).all()

@@ -27,8 +27,8 @@ def test_a_jit_variant_is_set():
 
 
 def test_looking_into_a_store_starts_no_mitsuba():
-    code = "import sys, reference.store, reference.batches, reference.timing; print('mitsuba' in sys.modules)"
-    assert python(code).stdout == "False\n"
+    code = "import sys, reference.store, reference.batches, reference.timing;"
+    assert python(code + "print('mitsuba' in sys.modules)").stdout == "False\n"
 
 
 def test_newest_libraries_come_first_and_old_ones_not_at_all():
