@@ -60,14 +60,13 @@ def _verdict(
     """One figure against its limit, with its margin."""
     if math.isnan(value):
         return ("reported" if metric == "silhouette" else "fail"), float("nan")
-    if math.isnan(low) or math.isnan(high):
-        low = high = value
     if metric in LOWER:
         margin = (value - limit) / max(1 - limit, 1e-9)
-        passes, fails = low >= limit, high < limit
+        passes, fails = low >= limit, high < limit  # both false for an interval of NaN
     else:
         margin = 1 - abs(value) / limit
-        passes, fails = max(abs(low), abs(high)) <= limit, low > limit or high < -limit
+        reach = max(abs(low), abs(high))
+        passes, fails = reach <= limit, low > limit or high < -limit
     return ("pass" if passes else "fail" if fails else "inconclusive"), margin
 
 
@@ -76,6 +75,8 @@ def _samples_to_decide(
 ) -> str:
     """How many samples would part the interval from the budget; its width falls as 1/sqrt(n)."""
     distance = abs(abs(value) - limit)
+    if math.isnan(low) or math.isnan(high):
+        return f"{metric}: the reference's noise hides it"
     if distance == 0:
         return f"{metric} lies on its budget"
     factor = ((high - low) / 2 / distance) ** 2

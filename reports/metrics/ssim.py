@@ -14,6 +14,7 @@ from reports.noise import Estimate, from_replicates, grouped
 GROUPS = 8
 HIGHLIGHTS = 1 / 8  # three stops darker
 C1, C2 = 0.01**2, 0.03**2  # Wang et al. 2004, K1 and K2 for a data range of 1
+UNSTABLE = 1e-3  # share of windows whose denominator noise may spoil before there is no interval
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,11 @@ class Moments:
 
 
 def figures(subject: Subject) -> dict[str, Any]:
-    """Fields ssim with interval, ssim_raw, ssim_p5 and ssim_highlights, over the eroded mask."""
+    """Fields ssim with interval, ssim_raw, ssim_p5 and ssim_highlights, over the eroded mask.
+
+    Where the truth's noise is so large that denominators vanish, the interval is NaN: the figure
+    is then not known, and more samples are needed.
+    """
     truth, core = subject.truth, subject.truth.core
     if not core.any():
         nan = float("nan")
@@ -63,10 +68,12 @@ def ssim_map(subject: Subject, exposure: float) -> np.ndarray:
 def _estimate(subject: Subject) -> Estimate:
     """Mean SSIM over the core with its jackknife interval over groups of batches."""
     core, candidate = subject.truth.core, _Candidate(subject, subject.truth.exposure)
-    values = [
-        float(_similarity(candidate, m)[core].mean())
-        for m in _moments(subject.truth, subject.truth.exposure, replicates=True)
-    ]
+    moments = _moments(subject.truth, subject.truth.exposure, replicates=True)
+    values = [float(_similarity(candidate, m)[core].mean()) for m in moments]
+    # Variances are not negative, so a true denominator is C2 or more.
+    denominator = (candidate.variance + moments[0].covariance + C2)[core]
+    if (denominator < C2 / 2).mean() > UNSTABLE:
+        return Estimate(values[0], float("nan"), float("nan"))
     return from_replicates(values[0], values[1:])
 
 

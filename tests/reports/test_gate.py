@@ -72,6 +72,8 @@ def results(rows, **changes):
         ({"ssim": 0.85, "ssim_ci95": (0.84, 0.86)}, "fail"),
         ({"ssim": 0.9, "ssim_ci95": (0.89, 0.91)}, "inconclusive"),
         ({"ssim": math.nan, "ssim_ci95": (math.nan, math.nan)}, "fail"),
+        ({"ssim_ci95": (math.nan, math.nan)}, "inconclusive"),
+        ({"energy_ci95": (math.nan, math.nan)}, "inconclusive"),
         ({"problem": "is blank where the truth is not"}, "fail"),
         ({"truth": "unoccluded"}, "reported"),
     ],

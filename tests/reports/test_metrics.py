@@ -82,6 +82,13 @@ def test_ssim_of_noisy_batches_is_that_of_the_clean_truth(change):
     assert measured["ssim_raw"] < clean - 0.004  # the plain figure does see the noise
 
 
+def test_ssim_claims_nothing_where_noise_drowns_the_picture():
+    flat = np.full((SIDE, SIDE, 3), 0.2, np.float32)
+    measured = ssim.figures(subject(flat, noisy(flat, 8, 1.0)))
+    assert np.isnan(measured["ssim_ci95"]).all()
+    assert not np.isnan(ssim.figures(subject(flat, noisy(flat, 8, 0.01)))["ssim_ci95"]).any()
+
+
 def test_energy_error_is_the_gain():
     truth = picture()
     measured = energy.figures(subject(truth * 1.05, noisy(truth, 8, 0.1)))
