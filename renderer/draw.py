@@ -15,7 +15,7 @@ from renderer.geometry import buffers
 from renderer.precompute import Maps, precomputed
 from renderer.precompute.prefilter import LEVELS
 from renderer.program import bind_maps, fill, program, set_uniforms
-from renderer.targets import Target, make_target
+from renderer.targets import Target, make_target, release
 from renderer.view import View, view
 from scenes.frame import Frame
 from scenes.mesh import load_mesh, placement
@@ -149,7 +149,7 @@ def object_ids(case: Case) -> np.ndarray:
         vertex_array(obj.mesh, shader).render()
     gl.enable_only(moderngl.NOTHING)
     ids = np.frombuffer(target.read(components=1, dtype="u1"), np.uint8)
-    target.release()
+    release(target, *target.color_attachments, target.depth_attachment)
     return ids.reshape(case.height, case.width)[::-1].copy()
 
 

@@ -8,6 +8,7 @@ from renderer.context import context
 from renderer.features import lobes
 from renderer.glsl import source
 from renderer.program import fill, set_uniforms
+from renderer.targets import release
 from scenes.schema import Material
 
 WIDTH = 1024
@@ -64,8 +65,7 @@ def probe(
     gl.enable_only(0)
     fill(framebuffer, shader)
     values = np.frombuffer(target.read(), np.float32).reshape(-1, 4)[:count].copy()
-    for used in (*textures, target, framebuffer, shader):
-        used.release()
+    release(framebuffer, target, shader, *textures)
     return values
 
 

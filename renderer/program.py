@@ -41,4 +41,6 @@ def bind_maps(target: moderngl.Program, maps: dict[str, moderngl.Texture]) -> No
 def fill(target: moderngl.Framebuffer, fragment: moderngl.Program) -> None:
     """Run a fragment program over every pixel of a framebuffer."""
     target.use()
-    context().vertex_array(fragment, []).render(moderngl.TRIANGLES, vertices=3)
+    triangle = context().vertex_array(fragment, [])
+    triangle.render(moderngl.TRIANGLES, vertices=3)
+    triangle.release()

@@ -1,6 +1,8 @@
 """Framebuffers: linear float colour, with coverage samples where antialiasing is asked for."""
 
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -24,10 +26,8 @@ class Target:
     def release(self) -> None:
         """Free both framebuffers and what hangs on them."""
         for framebuffer in {id(f): f for f in (self.drawn, self.resolved)}.values():
-            for attachment in (*framebuffer.color_attachments, framebuffer.depth_attachment):
-                if attachment is not None:
-                    attachment.release()
-            framebuffer.release()
+            hanging = (*framebuffer.color_attachments, framebuffer.depth_attachment)
+            release(framebuffer, *(a for a in hanging if a is not None))
 
 
 def make_target(size: tuple[int, int], msaa: int) -> Target:
@@ -45,3 +45,16 @@ def make_target(size: tuple[int, int], msaa: int) -> Target:
         gl.depth_renderbuffer(size, samples=samples),
     )
     return Target(drawn, gl.framebuffer([gl.renderbuffer(size, 4, dtype="f4")]))
+
+
+def release(framebuffer: moderngl.Framebuffer, *others: Any) -> None:
+    """Free a framebuffer and other objects; one that stayed bound would be an error later."""
+    _elsewhere().use()
+    for used in (framebuffer, *others):
+        used.release()
+
+
+@cache
+def _elsewhere() -> moderngl.Framebuffer:
+    """A framebuffer to bind in place of one that goes; a headless context has no other."""
+    return context().framebuffer([context().renderbuffer((1, 1))])

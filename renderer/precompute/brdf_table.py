@@ -4,6 +4,7 @@ import moderngl
 
 from renderer.context import context
 from renderer.program import fill, program, set_uniforms
+from renderer.targets import release
 
 SIZE = (128, 128)
 SAMPLES = 1024
@@ -23,5 +24,5 @@ def make(_radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
     set_uniforms(shader, count=SAMPLES)
     framebuffer = gl.framebuffer(list(made.values()))
     fill(framebuffer, shader)
-    framebuffer.release()
+    release(framebuffer)
     return made

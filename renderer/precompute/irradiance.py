@@ -4,6 +4,7 @@ import moderngl
 
 from renderer.context import context
 from renderer.program import bind_maps, fill, program, set_uniforms
+from renderer.targets import release
 
 SIZE = (16, 16)
 SUMMED_WIDTH = 256  # the cosine is so smooth that finer levels of the environment add nothing
@@ -21,5 +22,5 @@ def make(radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
     bind_maps(shader, {"radiance_map": radiance})
     target = gl.framebuffer([texture])
     fill(target, shader)
-    target.release()
+    release(target)
     return {"irradiance_map": texture}

@@ -4,6 +4,7 @@ import moderngl
 
 from renderer.context import context
 from renderer.program import bind_maps, fill, program, set_uniforms
+from renderer.targets import release
 from scenes.schema import ALPHA_MIN
 
 SIZE = (512, 256)
@@ -32,6 +33,5 @@ def make(radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
         fill(framebuffer, shader)
         for texture, target in zip(made.values(), targets, strict=True):
             texture.write(target.read(), level=level)
-            target.release()
-        framebuffer.release()
+        release(framebuffer, *targets)
     return made
