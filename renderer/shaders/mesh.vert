@@ -10,7 +10,9 @@ centroid out vec3 world_normal;
 centroid out vec3 to_eye;
 
 void main() {
-    world_normal = normals_to_world * normal;
+    // Unit before interpolation, as in the arrays that the reference reads: a stretched object
+    // would else lean towards the normals that the stretch makes longest.
+    world_normal = normalize(normals_to_world * normal);
     to_eye = eye - to_world * vec4(position, 1.0);
     gl_Position = to_clip * vec4(position, 1.0);
 }
