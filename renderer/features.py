@@ -86,10 +86,10 @@ def lobes(material: Material) -> frozenset[str]:
 
 
 def split_samples(material: Material, samples: int) -> tuple[int, int, int]:
-    """Share samples out to the lobes (GGX, Beckmann, cosine); every needed lobe gets some.
+    """Share samples out to the lobes (GGX, Beckmann, cosine).
 
     The diffuse lobe gets a share by its albedo against F0, between a fifth and a half: the
-    balance heuristic keeps any split unbiased.
+    balance heuristic keeps any split unbiased. Of 4 samples or more each needed lobe gets some.
     """
     diffuse = max(material.diffuse_albedo)
     share = 0.0

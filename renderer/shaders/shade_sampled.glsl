@@ -10,19 +10,20 @@
 // share of the samples; the balance heuristic (Veach and Guibas 1995) joins them without bias.
 uniform ivec3 lobe_samples; // GGX, Beckmann, cosine
 
-float pdf_half_vector(float D, vec3 wo, vec3 h) {
-    return D * h.z / (4.0 * dot(wo, h));
+float pdf_half_vector(float D, vec3 h, float wo_h) {
+    return D * h.z / (4.0 * wo_h);
 }
 
 // Density of all samples together, per steradian; integrates to their number.
 float sample_density(vec3 wi, vec3 wo, Material m) {
-    vec3 h = normalize(wi + wo);
+    float wo_h = 0.5 * length(wi + wo); // as in brdf.glsl: f and density err alike and cancel
+    vec3 h = (wi + wo) / (2.0 * wo_h);
     float density = 0.0;
 #ifdef D_GGX
-    density += float(lobe_samples.x) * pdf_half_vector(D_ggx(h, m.alpha), wo, h);
+    density += float(lobe_samples.x) * pdf_half_vector(D_ggx(h, m.alpha), h, wo_h);
 #endif
 #ifdef D_BECKMANN
-    density += float(lobe_samples.y) * pdf_half_vector(D_beckmann(h, m.alpha), wo, h);
+    density += float(lobe_samples.y) * pdf_half_vector(D_beckmann(h, m.alpha), h, wo_h);
 #endif
 #ifdef DIFFUSE
     density += float(lobe_samples.z) * wi.z * INV_PI;
