@@ -24,7 +24,10 @@ Figure = Annotated[
     PlainSerializer(_plain, when_used="json"),
 ]
 Interval = tuple[Figure, Figure]
-NAN = float("nan")
+# By factory, since a NaN as plain default has no place in a JSON Schema.
+UNKNOWN = Field(default_factory=lambda: float("nan"))
+UNKNOWN_INTERVAL = Field(default_factory=lambda: (float("nan"),) * 2)
+UNKNOWN_RGB = Field(default_factory=lambda: (float("nan"),) * 3)
 
 
 class Record(BaseModel):
@@ -51,28 +54,28 @@ class Row(Record):
     weight_g: float
     technique: str
     truth: str
-    ssim: Figure = NAN
-    ssim_ci95: Interval = (NAN, NAN)
-    ssim_raw: Figure = NAN
-    ssim_p5: Figure = NAN
-    ssim_highlights: Figure = NAN
-    energy_error: Figure = NAN
-    energy_ci95: Interval = (NAN, NAN)
-    energy_rgb: tuple[Figure, Figure, Figure] = (NAN, NAN, NAN)
-    energy_local: Figure = NAN
-    energy_local_ci95: Interval = (NAN, NAN)
-    relmse: Figure = NAN
-    relmse_median: Figure = NAN
-    flip: Figure = NAN
-    silhouette: Figure = NAN
+    ssim: Figure = UNKNOWN
+    ssim_ci95: Interval = UNKNOWN_INTERVAL
+    ssim_raw: Figure = UNKNOWN
+    ssim_p5: Figure = UNKNOWN
+    ssim_highlights: Figure = UNKNOWN
+    energy_error: Figure = UNKNOWN
+    energy_ci95: Interval = UNKNOWN_INTERVAL
+    energy_rgb: tuple[Figure, Figure, Figure] = UNKNOWN_RGB
+    energy_local: Figure = UNKNOWN
+    energy_local_ci95: Interval = UNKNOWN_INTERVAL
+    relmse: Figure = UNKNOWN
+    relmse_median: Figure = UNKNOWN
+    flip: Figure = UNKNOWN
+    silhouette: Figure = UNKNOWN
     nan_pixels: int = 0
     inf_pixels: int = 0
     negative_pixels: int = 0
     pixels: int = 0
-    exposure: Figure = NAN
-    frame_ms: Figure = NAN
-    precomputation_ms: Figure = NAN
-    reference_seconds: Figure = NAN
+    exposure: Figure = UNKNOWN
+    frame_ms: Figure = UNKNOWN
+    precomputation_ms: Figure = UNKNOWN
+    reference_seconds: Figure = UNKNOWN
     reference_spp: int = 0
     reference_batches: int = 0
     budget: dict[str, float] = Field(default_factory=dict)

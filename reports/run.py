@@ -89,6 +89,7 @@ def run(job: Job) -> Results:
     Frames are written to `job.out`; the results are returned, not written.
     """
     start = time.perf_counter()
+    _make_folder(job.out)
     rows: list[Row] = []
     cases: list[CaseRecord] = []
     checks = parity.Checks()
@@ -142,11 +143,14 @@ def _run_entry(
             exposures = exposures or exposures_of(case, batches)
             truth = Truth(case, batches, exposures)
             judged = _rows(job, entry, name, truth, batches, frames, failures)
-            report.detail(f"{case.id}: {name}, {len(batches)} batches")
             return all(r.verdict != "inconclusive" for r in judged)
 
-        batches = grow(case, name, job.suite.reference, enough, Store(job.store))
-        enough(batches)
+        def traced(done: int, wanted: int, name: str = name) -> None:
+            report.detail(f"{case.id}: {name}, batch {done} of {wanted}")
+
+        batches = grow(case, name, job.suite.reference, enough, Store(job.store), traced)
+        if not judged or judged[0].reference_batches != len(batches):
+            enough(batches)  # at the cap `grow` does not ask
         rows += judged
         truths[name] = _save_halves(job.out, case, name, batches)
         for label, frame in frames.items():
@@ -262,6 +266,16 @@ def references(job: Job, samples: int) -> list[tuple[str, str, int, float]]:
                 spp = sum(b.provenance["samples"] for b in batches)
                 done.append((entry.case.id, name, spp, sum(b.seconds for b in batches)))
     return done
+
+
+def _make_folder(folder: Path) -> None:
+    """Make the folder for results before any work is done for it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        remedy = "choose a folder that can be written"
+        problem = f"cannot be made ({error.strerror})"
+        raise InputError("--out", str(folder), problem, remedy) from error
 
 
 def _samples_reach(samples: int) -> Callable[[list[Frame]], bool]:

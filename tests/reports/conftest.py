@@ -1,0 +1,52 @@
+"""One tiny run, shared by the tests of the whole job."""
+
+import json
+import shutil
+import sys
+
+import pytest
+
+from reports.cli import main
+
+
+@pytest.fixture(scope="session")
+def shadeproof(tmp_path_factory):
+    """The command in this process: call it with arguments, get (exit code, stdout, stderr)."""
+    import contextlib
+    import io
+
+    store = tmp_path_factory.mktemp("store")
+
+    def call(*words):
+        takes_store = words[0] in ("compare", "gate", "references", "bench")
+        argv = ["shadeproof", *map(str, words), *(["--store", str(store)] if takes_store else [])]
+        out, err = io.StringIO(), io.StringIO()
+        before, sys.argv = sys.argv, argv
+        try:
+            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+                main()
+            code = 0
+        except SystemExit as end:
+            code = end.code or 0
+        finally:
+            sys.argv = before
+        return code, out.getvalue(), err.getvalue()
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def tiny(shadeproof, tmp_path_factory):
+    """The folder of a finished `compare --suite tiny`; treat it as read-only."""
+    folder = tmp_path_factory.mktemp("tiny")
+    code, out, err = shadeproof("compare", "--suite", "tiny", "--out", folder, "--json")
+    assert code == 0, err
+    assert json.loads(out)["schema_version"] == 1
+    return folder
+
+
+@pytest.fixture
+def pictures(tiny, tmp_path):
+    """A folder of EXRs as an outside renderer would leave: here, our own pictures."""
+    shutil.copy(tiny / "frames/contact.studio/sampled.exr", tmp_path / "contact.studio.exr")
+    return tmp_path

@@ -1,0 +1,198 @@
+"""The whole job on the suite `tiny`, as a user calls it."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+from reports.results import Results, load_results
+from scenes.environment import read_pixels
+from scenes.frame import Frame, save_frame
+
+CASE = "contact.studio"
+
+
+def rows_of(folder):
+    return load_results(folder / "results.json").rows
+
+
+def test_compare_gives_a_row_per_object_technique_and_truth(tiny):
+    results = load_results(tiny / "results.json")
+    assert results.missing == []
+    assert len(results.rows) == results.expected_rows == 3 * 2 * 2
+    assert {r.object for r in results.rows} == {"sphere", "floor", "wall"}
+    for row in results.rows:
+        assert not row.problem
+        figures = [row.ssim, row.energy_error, row.energy_local, row.relmse, row.flip]
+        assert np.isfinite(figures).all()
+        assert row.frame_ms > 0
+        assert row.reference_spp >= 128
+
+
+def test_both_sides_draw_the_same_thing(tiny):
+    results = load_results(tiny / "results.json")
+    checks = results.provenance["parity"]
+    assert {c["name"] for c in checks} == {"silhouettes", "background", "BRDF"}
+    assert all(c["passed"] for c in checks)
+
+
+def test_compare_leaves_everything_a_reader_needs(tiny):
+    for name in ("report.html", "results.json", "junit.xml", "summary.md"):
+        assert (tiny / name).stat().st_size > 100
+    record = load_results(tiny / "results.json").cases[0]
+    halves = [path for pair in record.truths.values() for path in pair]
+    for path in (*record.candidates.values(), *halves):
+        assert read_pixels(tiny / path, "frame").shape == (72, 96, 3)
+
+
+def test_the_schema_in_the_docs_is_the_schema(request):
+    documented = json.loads((request.config.rootpath / "docs/results.schema.json").read_text())
+    assert documented == Results.model_json_schema()
+
+
+def test_list_names_the_cases(shadeproof):
+    assert shadeproof("compare", "--suite", "tiny", "--list")[:2] == (0, f"{CASE}\n")
+
+
+def test_dry_run_draws_nothing(shadeproof, tmp_path):
+    code, out, _ = shadeproof("compare", "--suite", "tiny", "--dry-run", "--out", tmp_path / "out")
+    assert code == 0
+    assert f"{CASE}: 96x72, 3 objects, draw paper, sampled" in out
+    assert not (tmp_path / "out").exists()
+
+
+def test_report_is_made_again_from_the_results(shadeproof, tiny):
+    before = (tiny / "report.html").read_bytes()
+    (tiny / "report.html").unlink()
+    assert shadeproof("report", "--out", tiny)[0] == 0
+    assert (tiny / "report.html").read_bytes() == before
+
+
+def test_a_folder_of_pictures_is_a_candidate(shadeproof, tiny, pictures, tmp_path):
+    code, _, err = shadeproof(
+        "compare", "--suite", "tiny", "--candidate", pictures, "--out", tmp_path / "out"
+    )
+    assert code == 0, err
+    ours = {(r.object, r.truth): r for r in rows_of(tiny) if r.technique == "sampled"}
+    theirs = rows_of(tmp_path / "out")
+    assert len(theirs) == 6
+    for row in theirs:
+        assert row.technique == "candidate"
+        assert row.energy_error == ours[row.object, row.truth].energy_error
+
+
+COPY = """
+import json, shutil, sys
+json.load(open(sys.argv[1]))
+shutil.copy({picture!r}, sys.argv[2])
+"""
+
+
+def test_a_command_is_a_candidate(shadeproof, pictures, tmp_path):
+    script = tmp_path / "draw.py"
+    script.write_text(COPY.format(picture=str(pictures / f"{CASE}.exr")))
+    command = f"{sys.executable} {script} {{case}} {{out}}"
+    out = tmp_path / "out"
+    code, _, err = shadeproof("compare", "--suite", "tiny", "--candidate", command, "--out", out)
+    assert code == 0, err
+    assert all(not r.problem and r.frame_ms > 0 for r in rows_of(out))
+
+
+def frame_of(kind):
+    rng = np.random.default_rng(0)
+    rgb = rng.uniform(0.1, 0.2, (72, 96, 3)).astype(np.float32)
+    if kind == "blank":
+        rgb[:] = 0
+    if kind == "nan":
+        rgb[30:40, 40:60] = np.nan
+    if kind == "small":
+        rgb = rgb[::2, ::2].copy()
+    return Frame(rgb)
+
+
+@pytest.mark.parametrize(
+    ("kind", "problem"),
+    [("blank", "blank"), ("nan", "NaN"), ("small", "48x36"), ("missing", "no such file")],
+)
+def test_a_bad_picture_fails_its_own_rows(shadeproof, tmp_path, kind, problem):
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    if kind != "missing":
+        save_frame(frame_of(kind), folder / f"{CASE}.exr")
+    out = tmp_path / "out"
+    code, _, err = shadeproof("gate", "--suite", "tiny", "--candidate", folder, "--out", out)
+    assert code == 1, err
+    rows = rows_of(out)
+    assert len(rows) == 6
+    assert all(r.verdict == "fail" for r in rows if r.problem)
+    assert any(problem in r.problem for r in rows)
+
+
+@pytest.mark.parametrize(
+    ("body", "problem"),
+    [
+        ("import time; time.sleep(60)", "longer than 1 s"),
+        ("raise SystemExit('no light')", "no light"),
+        ("", "no such file"),
+        ("import sys; open(sys.argv[2], 'w').write('not an EXR')", "cannot be read"),
+    ],
+)
+def test_a_failing_command_fails_its_own_rows(shadeproof, tmp_path, body, problem):
+    script = tmp_path / "draw.py"
+    script.write_text(body)
+    command = f"{sys.executable} {script} {{case}} {{out}}"
+    words = ("gate", "--suite", "tiny", "--candidate", command, "--timeout", 1)
+    code, _, err = shadeproof(*words, "--out", tmp_path / "out")
+    assert code == 1, err
+    rows = rows_of(tmp_path / "out")
+    assert len(rows) == 6
+    assert all(problem in r.problem and r.verdict == "fail" for r in rows)
+
+
+SUITE = """
+description = "one case"
+techniques = ["paper"]
+truths = ["unoccluded"]
+[reference]
+samples_per_batch = 16
+max_samples = 128
+[[run]]
+scene = "contact"
+environments = ["studio"]
+resolution = [96, 72]
+[[budget]]
+technique = "paper"
+truth = "unoccluded"
+energy_local = {limit}
+"""
+
+
+@pytest.mark.parametrize(("limit", "code"), [(10.0, 0), (0.001, 1)])
+def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limit, code):
+    suite = tmp_path / "mine.toml"
+    suite.write_text(SUITE.format(limit=limit))
+    assert shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")[0] == code
+    assert load_results(tmp_path / "out/results.json").verdict == ("fail" if code else "pass")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("compare", "--suite", "nosuch"), "unknown name 'nosuch'"),
+        (("compare", "--suite", "missing.toml"), "no such file"),
+        (("compare", "--suite", "tiny", "--filter", "zebra"), "no case matches"),
+        (("compare", "--suite", "tiny", "--candidate", "/no/such/folder"), "no such folder"),
+        (("compare", "--suite", "tiny", "--candidate", "draw {case}"), "{out}"),
+        (("report", "--out", "/no/such/folder"), "results.json"),
+        (("compare", "--suite", "tiny", "--out", "/proc/nothing"), "cannot be made"),
+    ],
+)
+def test_a_users_error_is_one_line_and_exit_code_2(shadeproof, words, says):
+    code, out, err = shadeproof(*words)
+    assert code == 2
+    last = [line for line in err.splitlines() if not line.startswith("[")]  # progress lines
+    assert len(last) == 1, err
+    assert last[0].startswith("error: ")
+    assert says in last[0]
+    assert "Traceback" not in out + err
