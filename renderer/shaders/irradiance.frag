@@ -22,8 +22,9 @@ void main() {
         float weight = 2.0 * PI / float(cells.x) * (cos(top) - cos(bottom));
         float v = 0.5 * (top + bottom) * INV_PI;
         for (int x = 0; x < cells.x; ++x) {
-            vec3 l = direction_from_latlong(vec2((float(x) + 0.5) / float(cells.x), v), 0.0);
-            sum += weight * max(dot(n, l), 0.0) * radiance(l, float(level));
+            vec2 cell = (vec2(x, y) + 0.5) / vec2(cells); // a texel's centre, where they coincide
+            vec3 l = direction_from_latlong(vec2(cell.x, v), 0.0);
+            sum += weight * max(dot(n, l), 0.0) * textureLod(radiance_map, cell, float(level)).rgb;
         }
     }
     irradiance = vec4(sum, 1.0);
