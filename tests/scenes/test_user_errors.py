@@ -72,7 +72,7 @@ IN_SUITE = [
     ('["paper"]', '["paper", "paper"]', "techniques", "leave one"),
     ('["paper"]', "[]", "techniques", "at least 1"),
     ('["global"]', '["global"]\nbudgets = 1', "budgets", "budget"),
-    (BUDGET, BUDGET + "[reference]\nmax_samples = 10", "reference", "at least 256"),
+    (BUDGET, BUDGET + "[reference]\nmax_samples = 10", "reference", "give at least"),
     (BUDGET, BUDGET + '[model]\nmasking = "none"', "model.masking", "'paper'"),
     (
         BUDGET,
