@@ -60,7 +60,9 @@ class Stage:
         for number, start in enumerate(range(0, len(x), chunk)):
             part = slice(start, start + chunk)
             corner = mi.Point2f(x[part].astype(np.float32), y[part].astype(np.float32))
-            picture[y[part], x[part]] = self._trace_pixels(corner, samples, seed + number)
+            # Spread by the golden ratio, so that neighbouring seeds share no chunk.
+            own_seed = (seed + number * 0x9E3779B9) % 2**32
+            picture[y[part], x[part]] = self._trace_pixels(corner, samples, own_seed)
         return picture
 
     def _trace_pixels(self, corner: mi.Point2f, samples: int, seed: int) -> np.ndarray:
