@@ -17,7 +17,8 @@ app = typer.Typer(
     add_completion=False,
     help="How far is a real-time renderer from the truth, per material and mixture weight?",
 )
-console = Console(highlight=False)
+# A file or a pipe has no width of its own; 160 columns hold five weights.
+console = Console(highlight=False, width=None if sys.stdout.isatty() else 160)
 
 SuiteOption = Annotated[
     str, typer.Option("--suite", help="A suite's name, or the path of its .toml.")

@@ -15,9 +15,9 @@ def print_results(results: Results, console: Console) -> None:
     """One table: materials down, weights across, a section per case, technique and truth."""
     weights = sorted({r.weight for r in results.rows}, reverse=True)
     table = Table(box=box.SIMPLE_HEAD, title=f"{results.suite}: {results.description}")
-    table.add_column("material")
+    table.add_column("material", no_wrap=True)
     for weight in weights:
-        table.add_column(f"GGX share {weight:g}", justify="right")
+        table.add_column(f"GGX share {weight:g}", justify="right", no_wrap=True)
     sections: dict[str, dict[str, dict[float, list[Row]]]] = {}
     for row in results.rows:
         heading = f"{row.case}: {row.technique} against {row.truth}"
