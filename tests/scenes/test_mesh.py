@@ -110,6 +110,14 @@ def test_stored_normals_are_kept_where_vertices_are_split(tmp_path, ending):
     np.testing.assert_allclose(np.abs(mesh.normals).max(axis=1), 1, atol=1e-7)
 
 
+def test_stored_normals_win_over_those_of_the_faces(tmp_path):
+    (tmp_path / "leaf.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0.6 0 0.8\nvn 0 0 3\nf 1//1 2//2 3//2\n"
+    )
+    mesh = load_mesh(str(tmp_path / "leaf.obj"))
+    np.testing.assert_allclose(sorted(mesh.normals[:, 0].tolist()), [0, 0, 0.6], atol=1e-6)
+
+
 @pytest.mark.parametrize("ending", ["ply", "obj", "glb"])
 def test_parts_stand_where_the_file_puts_them(tmp_path, ending):
     scene, ball = trimesh.Scene(), trimesh.creation.icosphere(subdivisions=2)

@@ -2,6 +2,7 @@
 
 import pytest
 
+from scenes.errors import InputError
 from scenes.suite import expand, load_suite
 
 MATERIAL = 'material = "copper"'
@@ -134,3 +135,8 @@ def test_a_suite_that_is_not_toml_is_refused(refused, tmp_path, content):
 def test_an_empty_suite_is_told_its_first_missing_field(refused, tmp_path):
     (tmp_path / "empty.toml").write_text("")
     refused(lambda: load_suite(str(tmp_path / "empty.toml")), "empty.toml", "description", "add it")
+
+
+def test_a_message_of_many_lines_becomes_one():
+    error = InputError("a\nb.toml", "field", "a library\n  said this", "mend\r\nit")
+    assert str(error) == "a b.toml: field: a library said this; mend it"
