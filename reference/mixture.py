@@ -68,12 +68,14 @@ class Mixture(mi.BSDF):
         """Both at once: they share D, the costly part."""
         wi = si.wi
         active = active & (wi.z > 0) & (wo.z > 0)
-        h = dr.normalize(wi + wo)
+        # wi.h is half the length of wi + wo; their dot product would cancel where both graze.
+        length = dr.norm(wi + wo)
+        h, wi_h = (wi + wo) / length, length / 2
         ggx = D_ggx(h, self.alpha) if self.has["ggx"] else 0
         beckmann = D_beckmann(h, self.alpha) if self.has["beckmann"] else 0
-        F = F_schlick(self.f0, dr.dot(wi, h))
+        F = F_schlick(self.f0, wi_h)
         D = self.weight * ggx + (1 - self.weight) * beckmann
-        f = F * (D * self._masking_over_cosines(wi, wo, h))
+        f = F * (D * self._masking_over_cosines(wi, wo, h, wi_h))
         if self.has["diffuse"]:
             f += (1 - F) * self.albedo * dr.inv_pi
 
@@ -127,7 +129,7 @@ class Mixture(mi.BSDF):
         )
         return specular * weight, specular * (1 - weight), 1 - specular
 
-    def _masking_over_cosines(self, wi, wo, h):
+    def _masking_over_cosines(self, wi, wo, h, wi_h):
         """G / (4 n.wi n.wo), in forms that stay finite at grazing angles."""
         total = mi.Float(0)
         if self.has["smith"]:  # G1(w) / (2 n.w) = 1 / (2 projected area)
@@ -135,7 +137,7 @@ class Mixture(mi.BSDF):
             total += self.weight_g / (4 * area)
         if self.has["vcavity"]:
             low, high = dr.minimum(wi.z, wo.z), dr.maximum(wi.z, wo.z)
-            open_share = dr.minimum(1 / (4 * low), h.z / (2 * dr.dot(wo, h)))
+            open_share = dr.minimum(1 / (4 * low), h.z / (2 * wi_h))
             total += (1 - self.weight_g) * open_share / high
         return total
 

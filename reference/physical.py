@@ -11,6 +11,7 @@
 
 from functools import cache
 
+import drjit as dr
 import numpy as np
 
 from reference.variant import mitsuba
@@ -20,7 +21,7 @@ from scenes.schema import Material, Object
 mi = mitsuba()
 
 DISTRIBUTIONS = {"beckmann": 0.0, "ggx": 1.0}  # the weight at which only this one is left
-NOTABLE = 0.002  # a change of F0 or albedo worth a note; below it no figure moves
+NOTABLE = 0.002  # a change of F0 worth a note; below it no figure moves
 
 
 def physical_bsdf(obj: Object) -> tuple[dict, list[str]]:
@@ -72,10 +73,7 @@ def _plastic(material: Material, distribution: str) -> tuple[dict, list[str]]:
     notes = []
     if (gap := max(abs(f0 - f) for f in material.f0.f0)) > NOTABLE:
         notes.append(f"F0 is {f0:.4f} in every channel, off by up to {gap:.4f}")
-    reflectance, reached = solve_reflectance(eta, material.alpha, distribution, material.albedo)
-    if (gap := max(a - r for a, r in zip(material.albedo, reached, strict=True))) > NOTABLE:
-        shown = ", ".join(f"{r:.3f}" for r in reached)
-        notes.append(f"albedo is clamped to ({shown}), the most that this interface lets out")
+    reflectance = solve_reflectance(eta, material.alpha, distribution, material.albedo)
     return _rough_plastic(eta, material.alpha, distribution, reflectance), notes
 
 
@@ -88,20 +86,22 @@ def _rough_plastic(eta: float, alpha: float, distribution: str, reflectance) -> 
         "ext_ior": 1.0,
         # Light that returns from the interface meets the coloured layer again.
         "nonlinear": True,
-        "diffuse_reflectance": {"type": "rgb", "value": [float(r) for r in reflectance]},
+        "diffuse_reflectance": _unbounded(reflectance),
     }
 
 
 def solve_reflectance(
     eta: float, alpha: float, distribution: str, albedo: tuple[float, float, float]
-) -> tuple[np.ndarray, np.ndarray]:
+) -> np.ndarray:
     """The inner reflectance with which `roughplastic` has a given outer diffuse albedo.
 
     The outer albedo is A(rho) = T rho / (1 - rho r), light that enters, bounces under the
     interface and leaves; T and r follow from measuring the plugin at two values of rho.
 
     Returns:
-        The reflectance (3,), at most 1, and the albedo (3,) that it gives.
+        The reflectance, (3,). It may exceed 1, and the series still converges, since rho r < 1:
+        the plugin's rough interface loses what a second bounce on it would give back, a third of
+        the light at alpha .5, and the layer below must make up for that.
     """
     half, one = (
         outer_albedo(eta, alpha, distribution, 0.5),
@@ -110,8 +110,13 @@ def solve_reflectance(
     r = (one - 2 * half) / (one - half)
     T = one * (1 - r)
     wanted = np.asarray(albedo, float)
-    rho = np.minimum(wanted / (T + wanted * r), 1.0)
-    return rho, T * rho / (1 - rho * r)
+    return wanted / (T + wanted * r)
+
+
+def _unbounded(reflectance) -> dict:
+    """A constant texture whose values may exceed 1, which `rgb` refuses."""
+    pixel = np.asarray(reflectance, np.float32).reshape(1, 1, 3)
+    return {"type": "bitmap", "bitmap": mi.Bitmap(pixel), "raw": True, "filter_type": "nearest"}
 
 
 @cache
@@ -130,7 +135,7 @@ def outer_albedo(eta: float, alpha: float, distribution: str, rho: float) -> flo
     ]
     context = mi.BSDFContext()
     context.component = diffuse[0]
-    si = mi.SurfaceInteraction3f()
+    si = dr.zeros(mi.SurfaceInteraction3f)
     si.wi = mi.Vector3f(np.sqrt(1 - z_in**2), 0, z_in)
     wo = mi.Vector3f(np.sqrt(1 - z_out**2), 0, z_out)
     f_cos = np.array(bsdf.eval(context, si, wo))[0].astype(float)  # grey: one channel serves

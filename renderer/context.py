@@ -45,14 +45,20 @@ def context() -> moderngl.Context:
         if not _is_software(candidate):
             if software:
                 software.release()
-            return candidate
+            return _used(candidate)
         if software:
             candidate.release()
         software = software or candidate
     if software is None:
         raise InputError("OpenGL", "EGL", "no device offers OpenGL 3.3 without a display", REMEDY)
-    software.__enter__()
-    return software
+    return _used(software)
+
+
+def _used(chosen: moderngl.Context) -> moderngl.Context:
+    """Make a context current; what Python drops is freed on the GPU too."""
+    chosen.__enter__()
+    chosen.gc_mode = "auto"
+    return chosen
 
 
 def device() -> Device:

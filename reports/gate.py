@@ -1,9 +1,12 @@
 """Verdicts: a row against its budget, and a run against its suite."""
 
 import math
+from collections.abc import Sequence
+from pathlib import Path
 
 from reports.results import Missing, Results, Row, Verdict
-from scenes.suite import Budget
+from scenes.errors import InputError
+from scenes.suite import Budget, Entry
 
 UPPER, LOWER = ("energy_error", "energy_local"), ("ssim", "silhouette")
 INTERVALS = {
@@ -25,6 +28,38 @@ def budget_of(row: Row, rules: list[Budget]) -> tuple[dict[str, float], list[str
         if rule.reason:
             reasons.append(rule.reason)
     return limits, reasons
+
+
+def check_rules(
+    rules: Sequence[Budget], entries: Sequence[Entry], outside: str, path: Path
+) -> None:
+    """Refuse a rule that no row of the suite can meet: a typo would else switch it off.
+
+    Raises:
+        InputError: naming the rule.
+    """
+    rows = [
+        {
+            "scene": entry.case.scene,
+            "environment": entry.case.environment.name,
+            "object": obj.name,
+            "material": obj.material.name,
+            "weight": obj.material.weight,
+            "technique": technique,
+            "truth": truth,
+        }
+        for entry in entries
+        for obj in entry.case.judged
+        for technique in (*entry.techniques, outside)
+        for truth in entry.truths
+    ]
+    for number, rule in enumerate(rules):
+        wanted = rule.selectors | {"technique": rule.technique, "truth": rule.truth}
+        if not any(all(row[k] == v for k, v in wanted.items()) for row in rows):
+            shown = ", ".join(f"{k} = {v}" for k, v in wanted.items())
+            raise InputError(
+                path, f"budget.{number}", f"matches no row ({shown})", "mend or remove it"
+            )
 
 
 def judge(row: Row, rules: list[Budget]) -> Row:

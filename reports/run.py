@@ -27,8 +27,10 @@ from reports.progress import Reporter, reporting
 from reports.results import CaseRecord, Missing, Results, Row
 from reports.speed import Timing
 from reports.stability import Agreement, agreement, directions, materials, oracle
+from scenes.environment import load_environment
 from scenes.errors import InputError
 from scenes.frame import Frame, save_frame
+from scenes.mesh import placement
 from scenes.schema import Case, Material, Object
 from scenes.suite import Entry, Suite, expand, load_suite
 
@@ -62,6 +64,11 @@ class Job:
                 technique(name)
             except ValueError as error:
                 raise InputError(path, "techniques", str(error), "use a known technique") from error
+        for entry in entries:
+            load_environment(entry.case.environment.path)
+            for obj in entry.case.objects:
+                placement(obj)
+        gate.check_rules(suite.budget, expand(suite, path), OUTSIDE, path)
         object.__setattr__(self, "suite", suite)
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "entries", entries)

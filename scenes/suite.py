@@ -114,8 +114,8 @@ class Sampling(Strict):
     Batches are added until every judged figure is decided, at least 8 of them.
     """
 
-    samples_per_batch: Annotated[int, Field(gt=0)] = 32
-    max_samples: Annotated[int, Field(gt=0)] = 1024
+    samples_per_batch: Annotated[int, Field(gt=0)] = 36
+    max_samples: Annotated[int, Field(gt=0)] = 576
 
     @model_validator(mode="after")
     def _room_for_eight(self) -> "Sampling":

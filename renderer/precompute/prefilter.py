@@ -29,7 +29,8 @@ def make(radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
         bind_maps(shader, {"radiance_map": radiance})
         # A mirror needs no samples: alpha at its floor sees one filtered texel.
         count = SAMPLES if level else 1
-        set_uniforms(shader, alpha=max((level / (LEVELS - 1)) ** 2, ALPHA_MIN), count=count)
+        alpha = max((level / (LEVELS - 1)) ** 2, ALPHA_MIN)
+        set_uniforms(shader, alpha=alpha, count=count, size=size)
         fill(framebuffer, shader)
         for texture, target in zip(made.values(), targets, strict=True):
             texture.write(target.read(), level=level)

@@ -7,6 +7,7 @@
 in vec2 uv;
 uniform float alpha;
 uniform int count;
+uniform vec2 size; // of the level that is made
 layout(location = 0) out vec4 ggx;
 layout(location = 1) out vec4 beckmann;
 
@@ -15,6 +16,8 @@ layout(location = 1) out vec4 beckmann;
 void main() {
     vec3 n = direction_from_latlong(uv, 0.0);
     mat3 to_world = tangent_frame(n);
+    // No sample need see finer than the texels that it is stored in.
+    float texels = size.x * size.y / (2.0 * PI * PI * max(length(n.xy), 0.5 / size.y));
     ggx = beckmann = vec4(0.0);
     for (int i = 0; i < count; ++i) {
         vec3 h = sample_ggx(hammersley(uint(i), uint(count)), alpha);
@@ -22,7 +25,8 @@ void main() {
         if (wi.z <= 0.0) continue;
         vec3 world = to_world * wi;
         float pdf = D_ggx(h, alpha) * 0.25; // D h.z / (4 wo.h) with wo = n
-        vec4 term = wi.z * vec4(radiance(world, radiance_lod(world, pdf, float(count))), 1.0);
+        float lod = radiance_lod(world, min(float(count) * pdf, texels), 1.0);
+        vec4 term = wi.z * vec4(radiance(world, lod), 1.0);
         float t = dot(h.xy, h.xy) / (alpha * alpha * h.z * h.z);
         ggx += term;
         beckmann += term * exp(-t) * (1.0 + t) * (1.0 + t);
