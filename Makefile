@@ -24,7 +24,7 @@ help: ## show this list
 compare: .venv/.stamp ## render a suite with both renderers and report how far apart they are
 	@$(BIN)/shadeproof compare $(RUN)
 
-gate: .venv/.stamp ## the same, and fail when a case misses its thresholds
+gate: .venv/.stamp ## the same, and fail when a row misses its budget
 	@$(BIN)/shadeproof gate $(RUN)
 
 report: .venv/.stamp ## write the report anew from the results in OUT
@@ -33,11 +33,11 @@ report: .venv/.stamp ## write the report anew from the results in OUT
 references: .venv/.stamp ## render the references a suite needs and keep them
 	@$(BIN)/shadeproof references --suite $(SUITE) $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
-bench: .venv/.stamp ## time both renderers on a suite
-	@$(BIN)/shadeproof bench $(RUN)
+bench: .venv/.stamp ## time every technique beside one path-traced sample per pixel at 1920x1080
+	@$(BIN)/shadeproof bench $(ARGS)
 
-stability: .venv/.stamp ## repeat a suite and show how much its numbers move
-	@$(BIN)/shadeproof stability $(RUN)
+stability: .venv/.stamp ## hold the shaders against double precision and Mitsuba, per direction
+	@$(BIN)/shadeproof stability $(ARGS)
 
 test: .venv/.stamp ## check style and imports, and run the short tests
 	@$(BIN)/ruff check --quiet

@@ -1,6 +1,7 @@
 """A suite file: which scenes, environments, materials and sweeps, and what is good enough."""
 
 import itertools
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -257,7 +258,7 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
             "environment": Environment(
                 name=light_path.stem, path=light_path, rotation=run.rotation
             ),
-            "camera": scene.camera,
+            "camera": _framed(scene, width, height),
             "width": width,
             "height": height,
             "model": suite.model,
@@ -265,6 +266,16 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
         }
         cases.append(parse(Case, fields, scene_path))
     return cases
+
+
+def _framed(scene: Scene, width: int, height: int) -> Camera:
+    """The scene's camera, widened so that a picture of another shape cuts nothing off."""
+    shape = scene.resolution[0] / scene.resolution[1]
+    widening = max(shape / (width / height), 1.0)
+    if widening == 1.0:
+        return scene.camera
+    tangent = math.tan(math.radians(scene.camera.fov) / 2) * widening
+    return scene.camera.model_copy(update={"fov": 2 * math.degrees(math.atan(tangent))})
 
 
 def _object(

@@ -2,6 +2,7 @@
 
 import shutil
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -100,3 +101,22 @@ def test_every_shipped_material_is_valid(write_suite):
     path = write_suite()
     path.write_text(path.read_text() + f"materials = {names}\n")
     assert [e.case.objects[0].material.name for e in expand(*load_suite(str(path)))] == names
+
+
+def test_a_narrower_picture_shows_the_whole_width_of_the_scene(tmp_path):
+    suite = (
+        'description = "x"\ntechniques = ["paper"]\ntruths = ["global"]\n[[run]]\n'
+        'scene = "bunnies"\nenvironments = ["studio"]\nresolution = [{}, {}]\n'
+    )
+
+    def tangents(width, height):
+        path = tmp_path / "wide.toml"
+        path.write_text(suite.format(width, height))
+        camera = expand(*load_suite(str(path)))[0].case.camera
+        vertical = np.tan(np.radians(camera.fov) / 2)
+        return vertical, vertical * width / height
+
+    own = tangents(512, 186)
+    assert tangents(1024, 372) == pytest.approx(own)
+    assert tangents(1920, 1080)[1] == pytest.approx(own[1])
+    assert tangents(2048, 186)[0] == pytest.approx(own[0])
