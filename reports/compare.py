@@ -17,12 +17,15 @@ class Truth:
 
     Args:
         case: what was drawn.
+        name: which of the truths.
         batches: at least one Frame with ids, all of one size.
         exposures: display scale by object name (`exposures_of` the `global` truth).
     """
 
-    def __init__(self, case: Case, batches: list[Frame], exposures: dict[str, float]) -> None:
-        self.ids = batches[0].ids
+    def __init__(
+        self, case: Case, name: str, batches: list[Frame], exposures: dict[str, float]
+    ) -> None:
+        self.name, self.batches, self.ids = name, batches, batches[0].ids
         self.crops, self.views = {}, {}
         for obj in case.judged:
             mask = self.ids == case.index(obj.name)

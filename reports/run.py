@@ -22,16 +22,17 @@ from renderer.draw import Renderer
 from renderer.features import technique
 from reports import gate, parity
 from reports.candidates import Candidate, CandidateError
-from reports.compare import Truth, compare, exposures_of
+from reports.compare import Truth, exposures_of
 from reports.progress import Reporter, reporting
 from reports.results import CaseRecord, Missing, Results, Row
+from reports.rows import judged_rows
 from reports.speed import Timing
 from reports.stability import Agreement, agreement, directions, materials, oracle
 from scenes.environment import load_environment
 from scenes.errors import InputError
 from scenes.frame import Frame, save_frame
 from scenes.mesh import placement
-from scenes.schema import Case, Material, Object
+from scenes.schema import Case, Material
 from scenes.suite import Entry, Suite, expand, load_suite
 
 OUTSIDE = "candidate"  # the technique under which an outside candidate's rows stand
@@ -148,8 +149,8 @@ def _run_entry(
         def enough(batches: list[Frame], name: str = name) -> bool:
             nonlocal exposures, judged
             exposures = exposures or exposures_of(case, batches)
-            truth = Truth(case, batches, exposures)
-            judged = _rows(job, entry, name, truth, batches, frames, failures)
+            truth = Truth(case, name, batches, exposures)
+            judged = judged_rows(case, truth, frames, failures, job.suite.budget)
             return all(r.verdict != "inconclusive" for r in judged)
 
         def traced(done: int, wanted: int, name: str = name) -> None:
@@ -190,58 +191,6 @@ def _draw(job: Job, entry: Entry, report: Reporter) -> tuple[dict[str, Frame], d
         except CandidateError as error:
             failures[label] = str(error)
     return frames, failures
-
-
-def _rows(
-    job: Job,
-    entry: Entry,
-    truth_name: str,
-    truth: Truth,
-    batches: list[Frame],
-    frames: dict[str, Frame],
-    failures: dict[str, str],
-) -> list[Row]:
-    """The judged rows of a case against one truth."""
-    rows = []
-    common = {
-        "truth": truth_name,
-        "reference_seconds": sum(b.seconds for b in batches),
-        "reference_spp": sum(b.provenance["samples"] for b in batches),
-        "reference_batches": len(batches),
-    }
-    for label, problem in failures.items():
-        for obj in entry.case.judged:
-            fields = _identity(entry.case, obj, label) | common | {"problem": problem}
-            rows.append(gate.judge(Row(**fields), list(job.suite.budget)))
-    for label, frame in frames.items():
-        times = {
-            "frame_ms": frame.seconds * 1e3,
-            "precomputation_ms": frame.provenance.get("precomputation_seconds", float("nan")) * 1e3,
-        }
-        for obj, figures in compare(entry.case, frame, truth):
-            fields = _identity(entry.case, obj, label) | common | times | figures
-            row = Row(**fields)
-            # The paper's model is not what `physical` draws: told, never judged (HOUSE rule).
-            rules = [] if truth_name == "physical" else list(job.suite.budget)
-            rows.append(gate.judge(row, rules))
-    return rows
-
-
-def _identity(case: Case, obj: Object, label: str) -> dict[str, Any]:
-    """The fields of a row that say what it is about."""
-    material = obj.material
-    return {
-        "case": case.id,
-        "scene": case.scene,
-        "environment": case.environment.name,
-        "object": obj.name,
-        "material": material.name,
-        "roughness": material.roughness,
-        "metallic": material.metallic,
-        "weight": material.weight,
-        "weight_g": material.masking_weight,
-        "technique": label,
-    }
 
 
 def _save_halves(out: Path, case: Case, truth: str, batches: list[Frame]) -> tuple[str, str]:

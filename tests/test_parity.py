@@ -132,7 +132,7 @@ def assert_energy_agrees(case: Case, samples: int) -> None:
     """`sampled` meets `unoccluded` within the interval, at most 0.3 %, on every object."""
     picture = ours(case, samples)
     batches = [render_batch(case, "unoccluded", 4 * samples, seed) for seed in range(8)]
-    truth = Truth(case, batches, exposures_of(case, batches))
+    truth = Truth(case, "unoccluded", batches, exposures_of(case, batches))
     for name, view in truth.views.items():
         off = energy_error(Subject(picture[truth.crops[name]], view))
         assert abs(off.value) <= 0.003 + off.half_width, (name, off)

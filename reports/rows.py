@@ -1,0 +1,67 @@
+"""Rows: what is known of every judged object of a case, candidate by candidate."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from reports import gate
+from reports.compare import Truth, compare
+from reports.results import Row
+from scenes.frame import Frame
+from scenes.schema import Case, Object
+from scenes.suite import Budget
+
+
+def judged_rows(
+    case: Case,
+    truth: Truth,
+    frames: dict[str, Frame],
+    failures: dict[str, str],
+    rules: Sequence[Budget],
+) -> list[Row]:
+    """The rows of a case against one truth, with their verdicts.
+
+    Args:
+        frames: the candidates' pictures by technique.
+        failures: why a technique gave no picture; its rows fail with that problem.
+        rules: the suite's budgets. None holds against `physical`: it draws another model than
+            the paper's, so such rows are told and never judged.
+    """
+    rules = [] if truth.name == "physical" else list(rules)
+    rows = [
+        Row(**_identity(case, obj, label), **_cost(truth), problem=problem)
+        for label, problem in failures.items()
+        for obj in case.judged
+    ]
+    for label, frame in frames.items():
+        made = frame.provenance.get("precomputation_seconds", float("nan"))
+        times = {"frame_ms": frame.seconds * 1e3, "precomputation_ms": made * 1e3}
+        for obj, figures in compare(case, frame, truth):
+            rows.append(Row(**_identity(case, obj, label), **_cost(truth), **times, **figures))
+    return [gate.judge(row, rules) for row in rows]
+
+
+def _identity(case: Case, obj: Object, technique: str) -> dict[str, Any]:
+    """The fields of a row that say what it is about."""
+    material = obj.material
+    return {
+        "case": case.id,
+        "scene": case.scene,
+        "environment": case.environment.name,
+        "object": obj.name,
+        "material": material.name,
+        "roughness": material.roughness,
+        "metallic": material.metallic,
+        "weight": material.weight,
+        "weight_g": material.masking_weight,
+        "technique": technique,
+    }
+
+
+def _cost(truth: Truth) -> dict[str, Any]:
+    """The fields of a row that say which truth it stands against, and what that took."""
+    return {
+        "truth": truth.name,
+        "reference_seconds": sum(b.seconds for b in truth.batches),
+        "reference_spp": sum(b.provenance["samples"] for b in truth.batches),
+        "reference_batches": len(truth.batches),
+    }
