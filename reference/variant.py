@@ -55,7 +55,7 @@ def find_llvm() -> Path:
         InputError: none works, or the one that the environment variable names does not.
     """
     if named := os.environ.get(VARIABLE):
-        if Path(named).is_file() and works(Path(named)):
+        if works(Path(named)):  # a bare name is left to the system's loader
             return Path(named)
         raise InputError("LLVM", VARIABLE, f"{named} is missing or unusable", REMEDY)
     found = candidates()
@@ -86,7 +86,8 @@ def _major(library: Path) -> int:
 
 def works(library: Path) -> bool:
     """Whether Dr.Jit can compile with this library; asked once, remembered on disk."""
-    question = f"{library} {library.stat().st_mtime_ns} {version('drjit')}"
+    changed = library.stat().st_mtime_ns if library.is_file() else 0
+    question = f"{library} {changed} {version('drjit')}"
     note = _cache_folder() / f"llvm-{hashlib.sha256(question.encode()).hexdigest()[:16]}.txt"
     if note.is_file():
         return note.read_text().endswith("works\n")
