@@ -60,8 +60,8 @@ class Renderer:
         stand apart in `provenance`.
         """
         environment = precomputed(case.environment.path)
-        for obj in case.objects:
-            environment.need(self.technique.maps(obj.material))
+        read = {m for o in case.objects for m in self.technique.maps(o.material)}
+        environment.need(sorted(read))
         start = perf_counter()
         prepared = self.prepare(case, environment.maps)
         draw_frame(prepared)
@@ -77,7 +77,7 @@ class Renderer:
             "renderer": "shadeproof",
             "technique": self.technique.name,
             "device": device().name,
-            "precomputation_seconds": sum(environment.seconds.values()),
+            "precomputation_seconds": environment.cost(read),
             "preparation_seconds": preparation,
             "frame_seconds": times,
         }

@@ -88,12 +88,9 @@ def gate(
 @app.command()
 def report(out: OutOption = OUT) -> None:
     """Write report.html again from the results in a folder."""
-    from reports.html import write_report
     from reports.results import load_results
 
-    console.print(
-        f"report: {write_report(load_results(out / 'results.json'), out)}", soft_wrap=True
-    )
+    console.print(f"report: {_page(load_results(out / 'results.json'), out)}", soft_wrap=True)
 
 
 @app.command()
@@ -153,16 +150,25 @@ def _job(
     return Job(suite, out, store, filter, outside, command)
 
 
+def _page(results, out: Path) -> Path:
+    """Write the report, which takes some seconds."""
+    from reports.html import write_report
+    from reports.progress import reporting
+
+    with reporting(1) as progress:
+        progress.step("report")
+        return write_report(results, out)
+
+
 def _compare(job, json: bool):
     """Run a job, write everything that it gives, and say the verdict."""
     from reports.ci import annotate, write_junit
-    from reports.html import write_report
     from reports.results import save_results
     from reports.run import run
     from reports.terminal import print_results
 
     results = run(job)
-    page = write_report(results, job.out)
+    page = _page(results, job.out)
     write_junit(results, job.out / "junit.xml")
     annotate(results, job.out / "summary.md")
     save_results(results, job.out / "results.json")

@@ -300,11 +300,13 @@ def _beside_oracle(material: Material) -> Agreement:
 
 def stability() -> list[Agreement]:
     """The GLSL BRDF beside double precision and beside Mitsuba, over alphas and weights."""
-    found = []
-    for material in materials():
-        found.append(_beside_oracle(material))
-        wi, wo = directions(material.alpha)
-        ours = probe.brdf_values(material, wi, wo)
-        theirs = reference_probe.brdf_values(material, wi, wo)
-        found.append(agreement(material, "Mitsuba", ours, theirs, wi, wo))
+    found, surfaces = [], materials()
+    with reporting(len(surfaces)) as report:
+        for material in surfaces:
+            report.step(f"alpha {material.alpha:g}, GGX share {material.weight:g}")
+            wi, wo = directions(material.alpha)
+            ours = probe.brdf_values(material, wi, wo)
+            theirs = reference_probe.brdf_values(material, wi, wo)
+            found.append(_beside_oracle(material))
+            found.append(agreement(material, "Mitsuba", ours, theirs, wi, wo))
     return found

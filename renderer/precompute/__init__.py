@@ -1,6 +1,6 @@
 """Maps made once per environment, on the GPU: one file each, one row each in MAPS."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
@@ -12,6 +12,7 @@ from renderer.precompute import brdf_table, irradiance, prefilter, radiance
 from scenes.schema import file_digest
 
 Maps = dict[str, moderngl.Texture]
+BASE = "radiance_map"
 # Each maker takes the radiance map and returns one or more maps by name.
 MAKERS: dict[str, Callable[[moderngl.Texture], Maps]] = {
     "irradiance_map": irradiance.make,
@@ -32,16 +33,24 @@ class Precomputed:
 
     def __init__(self, path: Path) -> None:
         start = perf_counter()
-        self.maps: Maps = {"radiance_map": radiance.make(path)}
+        self.maps: Maps = {BASE: radiance.make(path)}
         context().finish()
-        self.seconds = {"radiance_map": perf_counter() - start}
+        self.seconds = {BASE: perf_counter() - start}
 
-    def need(self, names: tuple[str, ...]) -> None:
+    def cost(self, names: Collection[str]) -> float:
+        """Seconds that the named maps took, with the radiance map under them all.
+
+        Maps that are made together count in full for each.
+        """
+        makers = {MAKERS[n] for n in names}
+        return sum(s for n, s in self.seconds.items() if n == BASE or MAKERS[n] in makers)
+
+    def need(self, names: Iterable[str]) -> None:
         """Make the named maps that are not there yet."""
         for name in names:
             if name not in self.maps:
                 start = perf_counter()
-                self.maps |= MAKERS[name](self.maps["radiance_map"])
+                self.maps |= MAKERS[name](self.maps[BASE])
                 context().finish()
                 self.seconds[name] = perf_counter() - start
 
