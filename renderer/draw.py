@@ -109,7 +109,7 @@ class Renderer:
             "alpha": material.alpha,
             "weight_d": (material.weight, 1 - material.weight),
             "weight_g": (material.masking_weight, 1 - material.masking_weight),
-            "subpixels": float(self.technique.supersample**2),
+            "sharers": self.technique.supersample**2 if self.technique.filtered else 1e9,
             "lobe_samples": split_samples(material, self.technique.samples),
             "prefilter_levels": float(LEVELS),
             "environment_turn": turn,

@@ -44,6 +44,8 @@ class Technique:
         samples: directions per pixel, where the shader samples; else 0.
         msaa: coverage samples per pixel, box-filtered; 0 for none.
         supersample: whole pixels drawn per pixel and axis, box-filtered.
+        filtered: look each sample up in a mip as large as its share of directions; without,
+            the result has no bias and all of the noise.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Technique:
     samples: int = 0
     msaa: int = 4
     supersample: int = 1
+    filtered: bool = True
 
     def maps(self, material: Material) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material."""

@@ -9,7 +9,7 @@
 // The model's exact BRDF over sampled directions with filtered look-ups. Each lobe has its own
 // share of the samples; the balance heuristic (Veach and Guibas 1995) joins them without bias.
 uniform ivec3 lobe_samples; // GGX, Beckmann, cosine
-uniform float subpixels;    // drawn per pixel: their samples share the work of the filter
+uniform float sharers;      // how many such sets of samples share a pixel
 
 float pdf_half_vector(float D, vec3 h, float wo_h) {
     return D * h.z / (4.0 * wo_h);
@@ -37,7 +37,7 @@ vec3 incident(vec3 wi, vec3 wo, mat3 to_world, Material m) {
     float density = sample_density(wi, wo, m);
     if (density <= 0.0) return vec3(0.0);
     vec3 world = to_world * wi;
-    return brdf(wi, wo, m) * wi.z / density * radiance(world, radiance_lod(world, density, subpixels));
+    return brdf(wi, wo, m) * wi.z / density * radiance(world, radiance_lod(world, density, sharers));
 }
 
 // Two fractions that differ from pixel to pixel: Jarzynski and Olano 2020, pcg3d.
