@@ -74,7 +74,7 @@ def grow(
 ) -> list[Frame]:
     """The stored batches of a reference, with more made until there are enough.
 
-    At least 8 batches, then half as many again each time `enough` says no, up to
+    At least 8 batches, then twice as many each time `enough` says no, up to
     `sampling.max_samples`. Every batch is stored at once. Batch k is always the same picture.
 
     Args:
@@ -97,7 +97,7 @@ def grow(
         ordered = [batches[number] for number in sorted(batches)]
         if len(ordered) >= most or enough(ordered):
             return ordered
-        target = min(len(ordered) * 3 // 2, most)
+        target = min(len(ordered) * 2, most)
 
 
 def _add(

@@ -1,14 +1,19 @@
 """Candidates from outside: a folder of EXRs, or any program that draws a case."""
 
+import os
 import shlex
+import shutil
+import signal
 import subprocess
 import tempfile
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
+from scenes.environment import read_pixels
 from scenes.errors import InputError
-from scenes.frame import Frame, load_frame
+from scenes.frame import Frame
 from scenes.schema import Case
 
 
@@ -37,7 +42,7 @@ class Folder:
         """
         path = self.folder / f"{case.id}.exr"
         try:
-            return load_frame(path)
+            return Frame(read_pixels(path, "picture"))
         except InputError as error:
             raise CandidateError(f"{path.name}: {error.problem}") from error
 
@@ -65,23 +70,36 @@ class Command:
                 w.replace("{case}", str(description)).replace("{out}", str(out)) for w in self.words
             ]
             start = time.perf_counter()
-            try:
-                done = subprocess.run(words, capture_output=True, timeout=self.timeout, check=False)
-            except subprocess.TimeoutExpired as error:
-                raise CandidateError(f"took longer than {self.timeout:g} s") from error
-            except OSError as error:
-                raise CandidateError(f"cannot be started ({error.strerror})") from error
+            code, said = _run(words, self.timeout)
             seconds = time.perf_counter() - start
-            if done.returncode != 0:
-                said = done.stderr.decode(errors="replace").strip().splitlines()
-                raise CandidateError(
-                    f"exit code {done.returncode}" + (f": {said[-1]}" if said else "")
-                )
+            if code != 0:
+                raise CandidateError(f"exit code {code}" + (f": {said[-1]}" if said else ""))
+            if not out.exists():
+                raise CandidateError("ended with exit code 0 but wrote no picture")
             try:
-                frame = load_frame(out)
+                rgb = read_pixels(out, "picture")
             except InputError as error:
                 raise CandidateError(f"picture {error.problem}") from error
-        return Frame(frame.rgb, frame.ids, seconds, {"renderer": self.words[0]})
+        return Frame(rgb, None, seconds, {"renderer": self.words[0]})
+
+
+def _run(words: list[str], timeout: float) -> tuple[int, list[str]]:
+    """Run a program; its exit code and the lines of its standard error.
+
+    It gets a process group of its own, which ends with it: nothing that it started may go on
+    beside later timings.
+    """
+    with subprocess.Popen(
+        words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
+    ) as process:
+        try:
+            _, said = process.communicate(timeout=timeout)
+        except subprocess.TimeoutExpired as error:
+            raise CandidateError(f"took longer than {timeout:g} s") from error
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+    return process.returncode, said.decode(errors="replace").strip().splitlines()
 
 
 def outside_candidate(text: str, timeout: float) -> Candidate:
@@ -93,8 +111,17 @@ def outside_candidate(text: str, timeout: float) -> Candidate:
     if "{case}" in text or "{out}" in text:
         if not ("{case}" in text and "{out}" in text):
             raise InputError("--candidate", "", "names only one of {case} and {out}", "name both")
-        return Command(text, timeout)
+        try:
+            command = Command(text, timeout)
+        except ValueError as error:
+            raise InputError("--candidate", "", f"{error}".lower(), "mend the quotes") from error
+        if shutil.which(command.words[0]) is None:
+            raise InputError("--candidate", command.words[0], "no such program", "check its path")
+        return command
     if not Path(text).is_dir():
         remedy = "give a folder of EXRs, or a command with {case} and {out}"
         raise InputError("--candidate", text, "no such folder", remedy)
+    if not any(Path(text).glob("*.exr")):
+        remedy = "put <case>.exr there; `shadeproof compare --list` prints the names"
+        raise InputError("--candidate", text, "holds no .exr", remedy)
     return Folder(Path(text))

@@ -1,19 +1,23 @@
 """What CI reads: JUnit XML, a Markdown summary, and error annotations."""
 
 import os
+import sys
 from pathlib import Path
 
 from junitparser import Error, Failure, JUnitXml, Skipped, TestCase, TestSuite
 
 from reports.gate import worst_first
 from reports.results import Results, Row
-from reports.terminal import describe
+from reports.terminal import describe, skips
 from scenes.frame import write_text
 
 COLUMNS = (
     *("verdict", "case", "object", "material", "GGX share", "technique", "truth"),
     *("local energy", "energy", "SSIM"),
 )
+
+
+SHOWN = 20  # rows in the summary
 
 
 def write_junit(results: Results, path: Path) -> None:
@@ -45,19 +49,20 @@ def write_junit(results: Results, path: Path) -> None:
 
 def markdown(results: Results) -> str:
     """The summary: verdict, reasons and the worst rows."""
-    lines = [f"## shadeproof: {results.suite} {results.verdict.upper()}", ""]
-    lines += [f"- {reason}" for reason in results.reasons]
+    heading = ", ".join([f"{results.suite} {results.verdict.upper()}", *skips(results)])
+    lines = [f"## shadeproof: {heading}", ""]
+    if results.reasons:
+        lines += [*(f"- {reason}" for reason in results.reasons), ""]
     lines += [
-        "",
         f"| {' | '.join(COLUMNS)} |",
         f"|{' --- |' * len(COLUMNS)}",
     ]
-    lines += [_line(row) for row in worst_first(results.rows)[:20]]
-    lines += [
-        "",
-        f"{len(results.rows)} of {results.expected_rows} rows. Again: `{results.command}`",
-        "",
-    ]
+    shown = worst_first(results.rows)[:SHOWN]
+    lines += [_line(row) for row in shown]
+    counts = (
+        f"The worst {len(shown)} of {len(results.rows)} rows; {results.expected_rows} expected."
+    )
+    lines += ["", f"{counts} Again: `{results.command}`", ""]
     return "\n".join(lines)
 
 
@@ -79,14 +84,23 @@ def annotate(results: Results, path: Path) -> None:
     text = markdown(results)
     write_text(path, text)
     if extra := os.environ.get("GITHUB_STEP_SUMMARY"):
-        with Path(extra).open("a", encoding="utf-8") as summary:
-            summary.write(text)
+        try:
+            with Path(extra).open("a", encoding="utf-8") as summary:
+                summary.write(text)
+        except OSError as error:
+            print(f"warning: GITHUB_STEP_SUMMARY: {error.strerror}: {extra}", file=sys.stderr)
     if os.environ.get("GITHUB_ACTIONS"):
+        bad = ["fail"] if results.allow_inconclusive else ["fail", "inconclusive"]
         for row in worst_first(results.rows):
-            if row.verdict == "fail":
-                print(f"::error title=shadeproof {row.case}::{_escaped(describe(row))}")
+            if row.verdict in bad:
+                _annotation(row.case, describe(row))
         for reason in results.reasons:
-            print(f"::error title=shadeproof {results.suite}::{_escaped(reason)}")
+            _annotation(results.suite, reason)
+
+
+def _annotation(title: str, text: str) -> None:
+    """An ::error line, on standard error so that --json stays clean."""
+    print(f"::error title=shadeproof {title}::{_escaped(text)}", file=sys.stderr)
 
 
 def _escaped(text: str) -> str:

@@ -33,7 +33,8 @@ class Truth:
                 continue
             crop = self.crops[obj.name] = crop_of(mask)
             pixels = np.stack([batch.rgb[crop] for batch in batches])
-            self.views[obj.name] = TruthView(pixels, mask[crop], exposures[obj.name])
+            corner = (crop[0].start, crop[1].start)
+            self.views[obj.name] = TruthView(pixels, mask[crop], exposures[obj.name], corner)
 
 
 def exposures_of(case: Case, batches: list[Frame]) -> dict[str, float]:
@@ -58,6 +59,13 @@ def compare(case: Case, candidate: Frame, truth: Truth) -> Iterator[tuple[Object
         if candidate.rgb.shape[:2] != truth.ids.shape:
             got, want = candidate.rgb.shape[1::-1], truth.ids.shape[::-1]
             yield obj, {"problem": f"is {got[0]}x{got[1]} pixels, not {want[0]}x{want[1]}"}
+            continue
+        if bad := int((~np.isfinite(candidate.rgb).all(axis=2)).sum()):
+            yield (
+                obj,
+                _counts(candidate.rgb[truth.ids == case.index(obj.name)])
+                | {"problem": f"{bad} pixels of the picture hold NaN or Inf"},
+            )
             continue
         pixels = candidate.rgb[truth.crops[obj.name]]
         fields = _counts(pixels[view.mask]) | {"exposure": view.exposure}
@@ -84,10 +92,8 @@ def _counts(pixels: np.ndarray) -> dict[str, int]:
 
 def _unusable(pixels: np.ndarray, counts: dict[str, int], view: TruthView) -> str:
     """Why an object's pixels cannot be measured, or nothing."""
-    if counts["nan_pixels"] or counts["inf_pixels"]:
-        return f"{counts['nan_pixels']} pixels hold NaN and {counts['inf_pixels']} Inf"
-    if not np.isfinite(pixels).all():
-        return "pixels beside the object hold NaN or Inf"
+    if not view.core.any():
+        return f"covers {counts['pixels']} pixels and has no interior: too small for SSIM"
     if np.ptp(pixels[view.mask]) == 0 and np.ptp(view.mean[view.mask]) > 0:
         return "is blank where the truth is not"
     return ""

@@ -54,6 +54,11 @@ def check_rules(
         for truth in entry.truths
     ]
     for number, rule in enumerate(rules):
+        if rule.truth == "physical":
+            problem = "nothing is judged against `physical`, which draws another model"
+            raise InputError(
+                path, f"budget.{number}.truth", problem, "use `global` or `unoccluded`"
+            )
         wanted = rule.selectors | {"technique": rule.technique, "truth": rule.truth}
         if not any(all(row[k] == v for k, v in wanted.items()) for row in rows):
             shown = ", ".join(f"{k} = {v}" for k, v in wanted.items())
@@ -77,6 +82,8 @@ def judge(row: Row, rules: list[Budget]) -> Row:
         verdict, margin = _verdict(metric, value, low, high, limit)
         margins[metric] = margin
         verdicts.append(verdict)
+        if metric == "silhouette" and math.isnan(value):
+            notes.append("silhouette: the candidate gives no object ids")
         if verdict == "inconclusive":
             notes.append(_samples_to_decide(row, metric, value, low, high, limit))
     if row.problem:
@@ -94,7 +101,7 @@ def _verdict(
 ) -> tuple[Verdict, float]:
     """One figure against its limit, with its margin."""
     if math.isnan(value):
-        return ("reported" if metric == "silhouette" else "fail"), float("nan")
+        return "fail", float("nan")
     if metric in LOWER:
         margin = (value - limit) / max(1 - limit, 1e-9)
         passes, fails = low >= limit, high < limit  # both false for an interval of NaN

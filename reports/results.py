@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema
 
 from scenes.errors import InputError
 from scenes.frame import write_text
@@ -22,6 +22,7 @@ Figure = Annotated[
     float,
     BeforeValidator(lambda v: float("nan") if v is None else v),
     PlainSerializer(_plain, when_used="json"),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "null"}]}),
 ]
 Interval = tuple[Figure, Figure]
 # By factory, since a NaN as plain default has no place in a JSON Schema.

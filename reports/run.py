@@ -3,6 +3,8 @@
 import datetime
 import fnmatch
 import platform
+import shutil
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -18,7 +20,7 @@ from reference.store import Store
 from reference.timing import seconds_per_sample
 from renderer import probe
 from renderer.context import device
-from renderer.draw import Renderer
+from renderer.draw import Renderer, object_ids
 from renderer.features import technique
 from reports import gate, parity
 from reports.candidates import Candidate, CandidateError
@@ -52,10 +54,13 @@ class Job:
     suite: Suite = field(init=False)
     path: Path = field(init=False)
     entries: list[Entry] = field(init=False)
+    skipped: list[str] = field(init=False)
 
     def __post_init__(self) -> None:
         suite, path = load_suite(self.suite_name)
-        entries = [e for e in expand(suite, path) if _matches(e.case.id, self.filter)]
+        whole = expand(suite, path)
+        entries = [e for e in whole if _matches(e.case.id, self.filter)]
+        skipped = [e.case.id for e in whole if e not in entries]
         if not entries:
             raise InputError(
                 "--filter", self.filter, "no case matches", "see `--list` for their names"
@@ -69,10 +74,12 @@ class Job:
             load_environment(entry.case.environment.path)
             for obj in entry.case.objects:
                 placement(obj)
-        gate.check_rules(suite.budget, expand(suite, path), OUTSIDE, path)
+                _check_physical(entry, obj.material, path)
+        gate.check_rules(suite.budget, whole, OUTSIDE, path)
         object.__setattr__(self, "suite", suite)
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "entries", entries)
+        object.__setattr__(self, "skipped", [f"{i} (filter '{self.filter}')" for i in skipped])
 
     def candidates(self, entry: Entry) -> dict[str, Candidate]:
         """What draws an entry's case, by technique."""
@@ -97,7 +104,9 @@ def run(job: Job) -> Results:
     Frames are written to `job.out`; the results are returned, not written.
     """
     start = time.perf_counter()
-    _make_folder(job.out)
+    _make_folder(job.out, "--out")
+    _make_folder(job.store, "--store")
+    _clear(job.out)
     rows: list[Row] = []
     cases: list[CaseRecord] = []
     checks = parity.Checks()
@@ -122,7 +131,7 @@ def run(job: Job) -> Results:
         allow_inconclusive=job.suite.allow_inconclusive,
         expected_rows=len(expected),
         missing=gate.missing_rows(expected, rows),
-        skipped=[],
+        skipped=job.skipped,
         cases=cases,
         budgets=list(job.suite.budget),
         rows=rows,
@@ -137,13 +146,14 @@ def _run_entry(
 ) -> tuple[CaseRecord, list[Row]]:
     """One case: all its candidates, then truth by truth."""
     case = entry.case
+    _check_visible(case, job.path)
     frames, failures = _draw(job, entry, report)
     rows: list[Row] = []
     exposures: dict[str, float] = {}
     truths: dict[str, tuple[str, str]] = {}
     # `global` first, since it sets the exposure for all.
     for name in sorted(entry.truths, key=lambda t: t != "global"):
-        report.step(f"{case.id}: {name} by path tracing")
+        report.step(f"{case.id}: compare with {name}")
         judged: list[Row] = []
 
         def enough(batches: list[Frame], name: str = name) -> bool:
@@ -154,7 +164,7 @@ def _run_entry(
             return all(r.verdict != "inconclusive" for r in judged)
 
         def traced(done: int, wanted: int, name: str = name) -> None:
-            report.detail(f"{case.id}: {name}, batch {done} of {wanted}")
+            report.detail(f"{case.id}: trace {name}, batch {done} of {wanted}")
 
         batches = grow(case, name, job.suite.reference, enough, Store(job.store), traced)
         if not judged or judged[0].reference_batches != len(batches):
@@ -179,6 +189,23 @@ def _run_entry(
         truths=truths,
     )
     return record, rows
+
+
+def _check_physical(entry: Entry, material: Material, path: Path) -> None:
+    """Refuse `physical` for a metal of unknown eta and k, before anything is drawn."""
+    if "physical" in entry.truths and material.metallic > 0 and material.metal.eta is None:
+        problem = f"'{material.name}' gives its metal as F0 alone, without eta and k"
+        raise InputError(path, "truths: physical", problem, "name a metal, or leave `physical` out")
+
+
+def _check_visible(case: Case, path: Path) -> None:
+    """Refuse a judged object that nobody can see, before anything is traced for it."""
+    ids = object_ids(case)
+    for obj in case.judged:
+        if not (ids == case.index(obj.name)).any():
+            problem = f"covers no pixel of {case.id}"
+            remedy = "move it or the camera, or set judged = false"
+            raise InputError(path, f"object '{obj.name}'", problem, remedy)
 
 
 def _draw(job: Job, entry: Entry, report: Reporter) -> tuple[dict[str, Frame], dict[str, str]]:
@@ -224,14 +251,25 @@ def references(job: Job, samples: int) -> list[tuple[str, str, int, float]]:
     return done
 
 
-def _make_folder(folder: Path) -> None:
-    """Make the folder for results before any work is done for it."""
+def _clear(out: Path) -> None:
+    """Remove an earlier run's results: a run that fails must not leave their verdict standing."""
+    if (out / "results.json").is_file():
+        for name in ("frames", "truths"):
+            shutil.rmtree(out / name, ignore_errors=True)
+    for name in ("results.json", "report.html", "junit.xml", "summary.md"):
+        (out / name).unlink(missing_ok=True)
+
+
+def _make_folder(folder: Path, option: str) -> None:
+    """Make a folder before any work is done for it, and see that it can be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
     except OSError as error:
         remedy = "choose a folder that can be written"
-        problem = f"cannot be made ({error.strerror})"
-        raise InputError("--out", str(folder), problem, remedy) from error
+        problem = f"cannot be written ({error.strerror})"
+        raise InputError(option, str(folder), problem, remedy) from error
 
 
 def _samples_reach(samples: int) -> Callable[[list[Frame]], bool]:

@@ -12,37 +12,63 @@ STYLE = {"pass": "green", "fail": "red", "inconclusive": "yellow", "reported": "
 
 
 def print_results(results: Results, console: Console) -> None:
-    """One table: materials down, weights across, a section per case, technique and truth."""
+    """One table: materials down, weights across.
+
+    A section holds one scene, environment, technique and truth; cases that differ by what was
+    swept share it.
+    """
     weights = sorted({r.weight for r in results.rows}, reverse=True)
     table = Table(box=box.SIMPLE_HEAD, title=f"{results.suite}: {results.description}")
-    table.add_column("material", no_wrap=True)
+    table.add_column("material")
     for weight in weights:
-        table.add_column(f"GGX share {weight:g}", justify="right", no_wrap=True)
-    sections: dict[str, dict[str, dict[float, list[Row]]]] = {}
+        table.add_column(f"GGX share {weight:g}", justify="right")
+    sections: dict[str, list[Row]] = {}
     for row in results.rows:
-        heading = f"{row.case}: {row.technique} against {row.truth}"
-        line = sections.setdefault(heading, {}).setdefault(_label(row), {})
-        line.setdefault(row.weight, []).append(row)
-    for heading, lines in sections.items():
+        heading = f"{row.scene}.{row.environment}: {row.technique} against {row.truth}"
+        sections.setdefault(heading, []).append(row)
+    for heading, rows in sections.items():
         table.add_row(Text(heading, style="bold"))
-        for label, cells in lines.items():
-            table.add_row(f"  {label}", *(_cell(cells.get(weight, [])) for weight in weights))
+        for label, line in _lines(rows).items():
+            cells = {row.weight: _cell(row) for row in line}
+            table.add_row(f"  {label}", *(cells.get(weight, "") for weight in weights))
         table.add_section()
     console.print(table)
     console.print("Each cell: local energy error, energy error, SSIM.", style="dim")
     print_verdict(results, console)
 
 
+def _lines(rows: list[Row]) -> dict[str, list[Row]]:
+    """The rows of a section by line: objects of one surface and different weights share one."""
+    surfaces: dict[str, list[Row]] = {}
+    for row in rows:
+        surfaces.setdefault(_surface(row), []).append(row)
+    lines: dict[str, list[Row]] = {}
+    for surface, alike in surfaces.items():
+        shared = len({row.weight for row in alike}) == len(alike)
+        for row in alike:
+            lines.setdefault(surface if shared else f"{row.object}: {surface}", []).append(row)
+    return lines
+
+
 def print_verdict(results: Results, console: Console) -> None:
-    """The verdict in one line, then why."""
+    """The verdict in one line, then why, then the worst rows."""
     style = STYLE[results.verdict]
     counts = [f"{sum(r.verdict == v for r in results.rows)} {v}" for v in STYLE]
-    console.print(f"[{style} bold]{results.verdict.upper()}[/]: {', '.join(counts)}")
+    console.print(
+        f"[{style} bold]{results.verdict.upper()}[/]: {', '.join([*counts, *skips(results)])}"
+    )
     for reason in results.reasons:
-        console.print(f"  {reason}", markup=False)
+        console.print(f"  {reason}", markup=False, soft_wrap=True)
     for row in worst_first(results.rows)[:3]:
         if row.verdict != "reported":
-            console.print(Text(f"  {describe(row)}", style=STYLE[row.verdict]))
+            text = Text(f"  {describe(row)}", style=STYLE[row.verdict])
+            console.print(text, soft_wrap=True)
+
+
+def skips(results: Results) -> list[str]:
+    """How many cases of the suite were left out, as a list of one text or none."""
+    count = len(results.skipped)
+    return [f"{count} case{'s' * (count > 1)} skipped"] if count else []
 
 
 def describe(row: Row) -> str:
@@ -51,27 +77,28 @@ def describe(row: Row) -> str:
     against = f"{row.technique} against {row.truth}"
     if row.problem:
         return f"{row.verdict}: {place}, {against}: {row.problem}"
-    limits = ", ".join(
-        f"{m} {_figure(m, getattr(row, m))} of {_figure(m, v)}" for m, v in row.budget.items()
-    )
+    limits = ", ".join(_held(row, metric) for metric in row.budget)
     return f"{row.verdict}: {place}, {against}: {limits}" + (f" ({row.note})" if row.note else "")
 
 
+def _held(row: Row, metric: str) -> str:
+    """A figure against its limit; one that misses it says so."""
+    value, limit = getattr(row, metric), row.budget[metric]
+    shown = f"{metric} {_figure(metric, value)} of {_figure(metric, limit)}"
+    return f"{shown} MISSED" if row.margins[metric] < 0 else shown
+
+
 def _figure(metric: str, value: float) -> str:
-    return f"{value:.1%}" if metric.startswith("energy") else f"{value:.3f}"
+    return f"{value * 100:.3g}%" if metric.startswith("energy") else f"{value:.4g}"
 
 
-def _label(row: Row) -> str:
-    return f"{row.material}, roughness {row.roughness:g}" + (
-        f", metallic {row.metallic:g}" if 0 < row.metallic < 1 else ""
-    )
+def _surface(row: Row) -> str:
+    """The material, with what may have been swept or changed."""
+    half = f", metallic {row.metallic:g}" if 0 < row.metallic < 1 else ""
+    return f"{row.material}, roughness {row.roughness:g}{half}"
 
 
-def _cell(rows: list[Row]) -> Text:
-    text = Text()
-    for row in rows:
-        if text:
-            text.append("\n")
-        figures = f"{row.energy_local:.1%} {row.energy_error:+.1%} {row.ssim:.3f}"
-        text.append(row.problem or figures, style=STYLE[row.verdict])
-    return text
+def _cell(row: Row) -> Text:
+    """Local energy error, energy error and SSIM, or why there are none."""
+    figures = f"{row.energy_local:.1%} {row.energy_error:+.1%} {row.ssim:.3f}"
+    return Text(row.problem or figures, style=STYLE[row.verdict])

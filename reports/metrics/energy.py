@@ -40,17 +40,20 @@ def energy_local(subject: Subject) -> Estimate:
     """Root mean square of the energy error over 16x16 blocks, the worst channel, without noise.
 
     Blocks count by their pixels on the object. The square is estimated without bias from pairs
-    of batches; where noise makes it negative the figure is 0.
+    of batches; where noise makes it negative the figure is 0. Light in a block and channel where
+    the truth has none counts against the channel's mean block, or as infinite where the truth is
+    black altogether.
     """
     weights, candidate, batches = _blocks(subject)
-    lit = (batches.mean(axis=0) > 0).all(axis=1)
-    if not lit.any():
-        return Estimate(0.0, 0.0, 0.0)
-    weights, candidate, batches = weights[lit], candidate[lit], batches[:, lit]
+    black = batches.sum(axis=(0, 1)) == 0
+    if candidate[:, black].any():
+        return Estimate(float("inf"), float("inf"), float("inf"))
 
     def squares(keep: np.ndarray) -> np.ndarray:
         kept = batches[keep]
-        errors = (candidate - kept) / kept.mean(axis=0)
+        truth = kept.mean(axis=0)
+        scale = np.where(truth > 0, truth, truth.mean(axis=0))
+        errors = (candidate - kept) / np.where(black, 1, scale)
         return np.average(unbiased_square(errors), axis=0, weights=weights)
 
     worst = int(np.argmax(squares(np.arange(len(batches)))))
@@ -61,23 +64,26 @@ def energy_local(subject: Subject) -> Estimate:
 def block_errors(subject: Subject) -> np.ndarray:
     """The signed energy error of each block spread over its pixels, (h, w); NaN off the object."""
     mask = subject.truth.mask
-    labels = _labels(mask.shape)
+    labels = _labels(subject)
     candidate = np.bincount(labels[mask], subject.candidate[mask].mean(axis=1))
     truth = np.bincount(labels[mask], subject.truth.mean[mask].mean(axis=1))
     errors = candidate / np.maximum(truth, 1e-30) - 1
     return np.where(mask, errors[np.where(mask, labels, 0)], np.nan)
 
 
-def _labels(shape: tuple[int, int]) -> np.ndarray:
-    """The number of the block that each pixel lies in, (h, w)."""
-    rows, columns = np.indices(shape) // BLOCK
-    return rows * (shape[1] // BLOCK + 1) + columns
+def _labels(subject: Subject) -> np.ndarray:
+    """The number of the block that each pixel lies in, (h, w); blocks lie on the picture's grid."""
+    height, width = subject.truth.mask.shape
+    top, left = subject.truth.corner
+    rows = (np.arange(height) + top) // BLOCK - top // BLOCK
+    columns = (np.arange(width) + left) // BLOCK - left // BLOCK
+    return rows[:, None] * (columns[-1] + 1) + columns
 
 
 def _blocks(subject: Subject) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Pixels (b,), candidate (b, 3) and batches (n, b, 3) summed over the object's blocks."""
     mask = subject.truth.mask
-    labels, inverse = np.unique(_labels(mask.shape)[mask], return_inverse=True)
+    labels, inverse = np.unique(_labels(subject)[mask], return_inverse=True)
 
     def summed(pixels: np.ndarray) -> np.ndarray:
         return np.stack([np.bincount(inverse, pixels[:, c], len(labels)) for c in range(3)], axis=1)

@@ -17,11 +17,13 @@ class TruthView:
         batches: (n, h, w, 3) float32 linear radiance.
         mask: (h, w) bool, the pixels of the object.
         exposure: display scale, from the `global` truth.
+        corner: row and column of the picture that (0, 0) is cut out at.
     """
 
     batches: np.ndarray
     mask: np.ndarray
     exposure: float
+    corner: tuple[int, int] = (0, 0)
 
     @cached_property
     def mean(self) -> np.ndarray:

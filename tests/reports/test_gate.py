@@ -158,5 +158,5 @@ def test_the_summary_goes_where_github_says_and_errors_are_annotated(tmp_path, m
     monkeypatch.setenv("GITHUB_ACTIONS", "true")
     ci.annotate(results([gate.judge(row(problem="50% gone\nnow"), RULES)]), tmp_path / "summary.md")
     assert "FAIL" in (tmp_path / "step.md").read_text()
-    assert "::error title=shadeproof bunnies.courtyard::" in (said := capsys.readouterr().out)
+    assert "::error title=shadeproof bunnies.courtyard::" in (said := capsys.readouterr().err)
     assert "50%25 gone%0Anow" in said

@@ -9,6 +9,7 @@ import pytest
 from reports.results import Results, load_results
 from scenes.environment import read_pixels
 from scenes.frame import Frame, save_frame
+from scenes.suite import HERE
 
 CASE = "contact.studio"
 
@@ -118,8 +119,8 @@ def frame_of(kind):
 def test_a_bad_picture_fails_its_own_rows(shadeproof, tmp_path, kind, problem):
     folder = tmp_path / "pictures"
     folder.mkdir()
-    if kind != "missing":
-        save_frame(frame_of(kind), folder / f"{CASE}.exr")
+    name = "other" if kind == "missing" else CASE
+    save_frame(frame_of(kind), folder / f"{name}.exr")
     out = tmp_path / "out"
     code, _, err = shadeproof("gate", "--suite", "tiny", "--candidate", folder, "--out", out)
     assert code == 1, err
@@ -134,7 +135,7 @@ def test_a_bad_picture_fails_its_own_rows(shadeproof, tmp_path, kind, problem):
     [
         ("import time; time.sleep(60)", "longer than 1 s"),
         ("raise SystemExit('no light')", "no light"),
-        ("", "no such file"),
+        ("", "wrote no picture"),
         ("import sys; open(sys.argv[2], 'w').write('not an EXR')", "cannot be read"),
     ],
 )
@@ -168,6 +169,42 @@ energy_local = {limit}
 """
 
 
+def test_a_filtered_run_says_what_it_skipped(shadeproof, tmp_path):
+    suite = tmp_path / "mine.toml"
+    text = SUITE.format(limit=10.0).replace('["studio"]', '["studio", "sunset"]')
+    suite.write_text(text)
+    words = ("gate", "--suite", suite, "--filter", "studio", "--out", tmp_path / "out")
+    code, out, _ = shadeproof(*words)
+    assert code == 0
+    assert load_results(tmp_path / "out/results.json").skipped == [
+        "contact.sunset (filter 'studio')"
+    ]
+    assert "1 case skipped" in out
+    assert "1 case skipped" in (tmp_path / "out/summary.md").read_text()
+
+
+def test_a_failed_run_leaves_no_earlier_verdict(shadeproof, tmp_path):
+    suite = tmp_path / "mine.toml"
+    suite.write_text(SUITE.format(limit=10.0))
+    assert shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")[0] == 0
+    off_screen = (HERE / "contact.toml").read_text().replace("[0.0, 0.0, 1.0]", "[0.0, 0.0, 99.0]")
+    (tmp_path / "away.toml").write_text(off_screen)
+    suite.write_text(SUITE.format(limit=10.0).replace('"contact"', '"away.toml"'))
+    code, _, err = shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")
+    assert code == 2
+    assert "object 'sphere'" in err
+    assert "covers no pixel" in err
+    assert not (tmp_path / "out/results.json").exists()
+
+
+def test_a_budget_against_physical_is_refused(shadeproof, tmp_path):
+    suite = tmp_path / "mine.toml"
+    suite.write_text(SUITE.format(limit=1.0).replace("unoccluded", "physical"))
+    code, _, err = shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")
+    assert code == 2
+    assert "budget.0.truth" in err
+
+
 @pytest.mark.parametrize(("limit", "code"), [(10.0, 0), (0.001, 1)])
 def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limit, code):
     suite = tmp_path / "mine.toml"
@@ -184,8 +221,10 @@ def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limi
         (("compare", "--suite", "tiny", "--filter", "zebra"), "no case matches"),
         (("compare", "--suite", "tiny", "--candidate", "/no/such/folder"), "no such folder"),
         (("compare", "--suite", "tiny", "--candidate", "draw {case}"), "{out}"),
+        (("compare", "--suite", "tiny", "--candidate", "draw '{case} {out}"), "quot"),
+        (("compare", "--suite", "tiny", "--candidate", "nosuch {case} {out}"), "no such program"),
         (("report", "--out", "/no/such/folder"), "results.json"),
-        (("compare", "--suite", "tiny", "--out", "/proc/nothing"), "cannot be made"),
+        (("compare", "--suite", "tiny", "--out", "/proc/nothing"), "cannot be written"),
     ],
 )
 def test_a_users_error_is_one_line_and_exit_code_2(shadeproof, words, says):

@@ -140,3 +140,37 @@ def test_what_lies_outside_the_object_changes_nothing():
     other = subject(changed, np.stack([truth] * 8))
     for figures in (ssim.figures, energy.figures, relmse.figures):
         assert figures(same) == figures(other)
+
+
+def test_a_channel_without_light_does_not_hide_the_others():
+    truth = picture() * np.array([1, 1, 0], np.float32)
+    tilt = np.where(np.arange(SIDE) < SIDE // 2, 1.9, 0.1)[None, :, None]
+    measured = energy.figures(subject(truth * tilt, np.stack([truth] * 8)))
+    assert measured["energy_local"] == pytest.approx(0.9, abs=0.01)
+
+
+def test_light_where_the_truth_is_black_is_an_error():
+    truth = np.zeros((SIDE, SIDE, 3), np.float32)
+    assert energy.energy_local(subject(truth + 1, np.stack([truth] * 8))).value == np.inf
+    assert energy.energy_local(subject(truth, np.stack([truth] * 8))).value == 0
+    half = picture()
+    half[:, : SIDE // 2] = 0
+    assert energy.energy_local(subject(half + 0.2, np.stack([half] * 8))).value > 0.3
+
+
+def test_relmse_of_the_truth_itself_is_nought_whatever_the_noise():
+    truth = picture() + 0.1
+    for sigma in (0.1, 0.4):
+        measured = relmse.figures(subject(truth, noisy(truth, 8, sigma)))
+        assert abs(measured["relmse"]) < 0.02 * sigma**2
+        assert abs(measured["relmse_median"]) < 0.02 * sigma**2
+
+
+def test_noise_around_a_thin_object_does_not_raise_its_ssim():
+    truth = picture() + 0.1
+    stripe = np.zeros((SIDE, SIDE), bool)
+    stripe[:, 40:48] = True
+    batches = noisy(truth, 8, 0.4)
+    batches[:, stripe] = noisy(truth, 8, 0.05, seed=2)[:, stripe]
+    thin = Subject(truth, TruthView(batches, stripe, 1.0))
+    assert ssim.figures(thin)["ssim"] == pytest.approx(1, abs=0.003)
