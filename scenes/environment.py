@@ -10,6 +10,8 @@ import OpenImageIO as oiio
 from scenes.errors import InputError
 
 FORMATS = (".exr", ".hdr")
+DECODERS = {".exr": "openexr", ".hdr": "hdr"}  # as OpenImageIO calls what must be inside
+GREY = ("Y", "L", "LUMINANCE")
 LARGEST = 16384  # texels a side that every OpenGL 4 driver takes
 # TIFF's orientations that are mere flips: steps over rows and columns.
 FLIPS = {1: (1, 1), 2: (1, -1), 3: (-1, -1), 4: (-1, 1)}
@@ -23,7 +25,7 @@ class RadianceMap:
     texel centres: Mitsuba's `envmap`). Column u in [0, 1) lies at azimuth atan2(x, y) = 2 pi u.
 
     Attributes:
-        radiance: (H, W, 3) float32, linear sRGB, finite and not negative.
+        radiance: (H, W, 3) float32, linear sRGB, finite and not negative; H is at least 3.
         negatives: how many texel channels were below zero and set to zero.
     """
 
@@ -52,14 +54,25 @@ def load_environment(path: Path) -> RadianceMap:
         )
         raise InputError(path, "environment", problem, "repair or re-export the map")
     negatives = int((pixels < 0).sum())
-    return RadianceMap(np.maximum(pixels, 0), negatives)
+    return RadianceMap(_three_rows(np.maximum(pixels, 0)), negatives)
+
+
+def _three_rows(radiance: np.ndarray) -> np.ndarray:
+    """The same light in at least 3 rows: below that Mitsuba's `envmap` would resample it.
+
+    Rows are aligned to the poles and bilinear in between, so the mean in the middle is exact.
+    """
+    if len(radiance) > 2:
+        return radiance
+    top, bottom = radiance[0], radiance[-1]
+    return np.stack([top, top / 2 + bottom / 2, bottom])
 
 
 def read_pixels(path: Path, field: str) -> np.ndarray:
-    """Read the first three channels of an image as (H, W, 3) float32, grey spread over RGB.
+    """Read an image of one part and one set of R, G, B as (H, W, 3) float32; grey is spread.
 
     Raises:
-        InputError: the file is missing or cannot be decoded.
+        InputError: the file is missing, is not what its ending says, or cannot be decoded.
     """
     if not path.is_file():
         raise InputError(path, field, "no such file", "name an existing image file")
@@ -69,6 +82,10 @@ def read_pixels(path: Path, field: str) -> np.ndarray:
         raise InputError(path, field, f"cannot be read ({reason[-1]})", "export it again")
     try:
         spec = image.spec()
+        _as_named(path, field, image.format_name(), str(spec.format))
+        if image.seek_subimage(1, 0):
+            raise InputError(path, field, "has more than one part", "export it as one part")
+        image.seek_subimage(0, 0)
         size = f"{spec.full_width}x{spec.full_height} pixels"
         if max(spec.width, spec.height, spec.full_width, spec.full_height) > LARGEST:
             raise InputError(path, field, f"has {size}", f"give at most {LARGEST} a side")
@@ -80,15 +97,40 @@ def read_pixels(path: Path, field: str) -> np.ndarray:
             raise InputError(path, field, "is damaged or cut short", "export it again")
     finally:
         image.close()
-    names = [n.rsplit(".", 1)[-1].upper() for n in spec.channelnames]
     pixels = np.asarray(pixels, np.float32).reshape(spec.height, spec.width, spec.nchannels)
     pixels = _whole(pixels, spec)
     pixels = pixels[:: FLIPS[orientation][0], :: FLIPS[orientation][1]]
-    if {"R", "G", "B"} <= set(names):
-        return np.ascontiguousarray(pixels[..., [names.index(c) for c in "RGB"]])
-    if spec.nchannels == 1:
-        return np.repeat(pixels, 3, axis=2)
-    raise InputError(path, field, f"has channels {names}, not R, G and B", "export it as RGB")
+    return np.ascontiguousarray(pixels[..., _rgb(path, field, spec.channelnames)])
+
+
+def _as_named(path: Path, field: str, found: str, depth: str) -> None:
+    """Refuse a file that is not what its ending says, such as a renamed PNG."""
+    if found == DECODERS.get(path.suffix.lower(), found):
+        return
+    whole = {"uint8": ", 8 bit", "uint16": ", 16 bit"}.get(depth, "")
+    problem = f"is {'an' if found[0] in 'aeio' else 'a'} {found}{whole}"
+    right = [ending for ending, name in DECODERS.items() if name == found]
+    remedy = f"name it {right[0]}" if right else "convert it to .exr or .hdr"
+    raise InputError(path, field, problem, remedy)
+
+
+def _rgb(path: Path, field: str, channels: tuple[str, ...]) -> list[int]:
+    """The places of R, G and B: under bare names, else in the one layer that has them."""
+    if len(channels) == 1 and channels[0].rsplit(".", 1)[-1].upper() in GREY:
+        return [0, 0, 0]
+    layers: dict[str, dict[str, int]] = {}
+    for place, name in enumerate(channels):
+        layer, _, channel = name.rpartition(".")
+        layers.setdefault(layer, {}).setdefault(channel.upper(), place)
+    full = {n: c for n, c in layers.items() if {"R", "G", "B"} <= set(c)}
+    if len(full) > 1 and "" not in full:
+        problem = f"has R, G, B in several layers ({', '.join(full)})"
+        raise InputError(path, field, problem, "export it with one of them")
+    if not full:
+        named = ", ".join(channels)
+        raise InputError(path, field, f"has channels {named}, not R, G and B", "export it as RGB")
+    chosen = full.get("") or next(iter(full.values()))
+    return [chosen[c] for c in "RGB"]
 
 
 def _whole(pixels: np.ndarray, spec: oiio.ImageSpec) -> np.ndarray:

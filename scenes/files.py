@@ -42,7 +42,7 @@ def find(
         except (OSError, ValueError):  # a name too long, or one that no file can have
             break
     if by_path:
-        problem = f"no such file: {reprlib.repr(str(places[0]))[1:-1]}"
+        problem = f"no such file: {repr(str(places[0]))[1:-1]}"
         raise InputError(where, field, problem, f"a path starts at {home}")
     known = [*primitives, *sorted({p.stem for e in endings for p in shelf.glob(f"*{e}")})]
     remedy = f"use one of {', '.join(known)}, or a path that ends in {' or '.join(endings)}"

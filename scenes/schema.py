@@ -14,10 +14,13 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_valida
 
 from scenes.optics import load_constants
 
-Unit = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+# Strict: neither true nor "0.2" is a number; integers are.
+Unit = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False, strict=True)]
+Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
+Pixels = Annotated[int, Field(gt=0, le=16384, strict=True)]
+Switch = Annotated[bool, Field(strict=True)]
 RGB = tuple[Unit, Unit, Unit]
 Vector = tuple[Finite, Finite, Finite]
 
@@ -71,13 +74,15 @@ Metal = Annotated[Optics, BeforeValidator(lambda v: _named_optics(v, metal=True)
 
 def _ggx_share(value: Any) -> Any:
     """Accept the GGX share w, or the pair [w_ggx, w_beckmann] that must sum to 1."""
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if not isinstance(value, list | tuple):
         return value
     if len(value) != 2:
         raise ValueError(f"{len(value)} weights for two lobes; give [ggx, beckmann]")
-    if not all(isinstance(w, int | float) and 0 <= w <= 1 for w in value):
+    if not all(
+        isinstance(w, int | float) and not isinstance(w, bool) and 0 <= w <= 1 for w in value
+    ):
         raise ValueError(f"weights {value} leave [0, 1]; give each from 0 to 1")
     if not math.isclose(sum(value), 1, abs_tol=1e-6):
         raise ValueError(f"the weights sum to {sum(value):.6g}; make them sum to 1")
@@ -158,7 +163,7 @@ class Camera(Strict):
     origin: Vector
     target: Vector
     up: Vector = (0.0, 0.0, 1.0)
-    fov: Annotated[float, Field(gt=0, lt=170)]
+    fov: Annotated[float, Field(gt=0, lt=170, strict=True)]
 
     @model_validator(mode="after")
     def _looks_somewhere(self) -> Camera:
@@ -197,7 +202,7 @@ class Object(Strict):
     rotate: Vector = (0.0, 0.0, 0.0)
     scale: Positive | tuple[Positive, Positive, Positive] = 1.0
     height: Positive | None = None
-    judged: bool = True
+    judged: Switch = True
     small: str = ""
 
     @field_validator("name")
@@ -217,8 +222,8 @@ class Case(Strict):
     scene: str
     environment: Environment
     camera: Camera
-    width: Annotated[int, Field(gt=0, le=16384)]
-    height: Annotated[int, Field(gt=0, le=16384)]
+    width: Pixels
+    height: Pixels
     model: Model = Model()
     objects: Annotated[tuple[Object, ...], Field(min_length=1, max_length=254)]
 

@@ -20,7 +20,9 @@ from scenes.schema import (
     Material,
     Model,
     Object,
+    Pixels,
     Positive,
+    Switch,
     Strict,
     Unit,
     Vector,
@@ -31,7 +33,7 @@ from scenes.schema import (
 
 HERE = Path(__file__).resolve().parent
 Truth = Literal["unoccluded", "global", "physical"]
-Resolution = tuple[Annotated[int, Field(gt=0, le=16384)], Annotated[int, Field(gt=0, le=16384)]]
+Resolution = tuple[Pixels, Pixels]
 AXES = ("weight", "roughness", "metallic")
 
 
@@ -59,8 +61,8 @@ class SceneObject(Strict):
     rotate: Vector = (0.0, 0.0, 0.0)
     scale: Positive | tuple[Positive, Positive, Positive] = 1.0
     height: Positive | None = None
-    judged: bool = True
-    fixed: bool = False
+    judged: Switch = True
+    fixed: Switch = False
     small: str = ""
 
     @field_validator("name")
@@ -87,9 +89,9 @@ class Scene(Strict):
 class Sweep(Strict):
     """Values for one or more axes; several axes are crossed."""
 
-    weight: tuple[Weight, ...] = ()
-    roughness: tuple[Unit, ...] = ()
-    metallic: tuple[Unit, ...] = ()
+    weight: Annotated[tuple[Weight, ...], Field(min_length=1)] = ()
+    roughness: Annotated[tuple[Unit, ...], Field(min_length=1)] = ()
+    metallic: Annotated[tuple[Unit, ...], Field(min_length=1)] = ()
 
 
 class Run(Strict):
@@ -115,8 +117,8 @@ class Sampling(Strict):
     Batches are added until every judged figure is decided, at least 8 of them.
     """
 
-    samples_per_batch: Annotated[int, Field(gt=0)] = 36
-    max_samples: Annotated[int, Field(gt=0)] = 576
+    samples_per_batch: Annotated[int, Field(gt=0, strict=True)] = 36
+    max_samples: Annotated[int, Field(gt=0, strict=True)] = 576
 
     @model_validator(mode="after")
     def _room_for_eight(self) -> "Sampling":
@@ -167,7 +169,7 @@ class Suite(Strict):
     description: str
     techniques: Techniques
     truths: Truths
-    allow_inconclusive: bool = False
+    allow_inconclusive: Switch = False
     model: Model = Model()
     reference: Sampling = Sampling()
     run: Annotated[tuple[Run, ...], Field(min_length=1)]
@@ -231,6 +233,10 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
     )
     cases = []
     for light, material, values in crossing:
+        if Path(light).suffix.lower() in (".png", ".jpg", ".jpeg"):
+            problem = f"'{light}' holds no linear radiance"
+            remedy = f"convert it to {' or '.join(ENVIRONMENT_FORMATS)}"
+            raise InputError(path, f"{field}.environments", problem, remedy)
         light_path = find(
             light,
             HERE / "environments",
@@ -310,6 +316,7 @@ def _object(
     if "weight" in changes:
         raw.pop("weight_g", None)  # a sweep of the weight moves D and G together
     changed = scene_path if table else None
+    parse(Material, {**read_toml(found), "name": found.stem}, found)  # its own mistakes come first
     material = parse(Material, {**raw, **table, "name": found.stem}, found, changed, field)
     mesh = entry.mesh
     if mesh not in PRIMITIVES:

@@ -36,8 +36,8 @@ def similarity(value: float, decimals: int = 4) -> str:
 
 def seconds(value: float) -> str:
     """A time in seconds, in the unit that suits it."""
-    if math.isnan(value):
-        return NONE
+    if not math.isfinite(value):
+        return number(value, 0)
     if value < 1:
         return f"{1e3 * value:.3g}{GAP}ms"
     if value < 120:
@@ -88,15 +88,26 @@ class Metric:
         return getattr(row, self.interval) if self.interval else (math.nan, math.nan)
 
     def spread(self, row: Row) -> str:
-        """Half the interval, to as many decimals as the figure; empty where unknown."""
+        """Half the interval, to as many decimals as the figure; 'unknown' where noise hides it.
+
+        Empty where the figure has no interval, or where there is no figure.
+        """
         half = half_width(self.bounds(row))
-        if math.isnan(half):
-            return ""
+        if not math.isfinite(half):
+            return f"±{GAP}unknown" if self.hidden(row) else ""
         if self.name == "ssim":
             return f"±{GAP}{similarity(half)}"
         # As many decimals as the figure, and more where they would say that there is no noise.
         decimals = max(_decimals(self.value(row)), _first_decimal(half))
         return f"±{GAP}{percent(half, decimals=decimals)}"
+
+    def hidden(self, row: Row) -> str:
+        """Why a figure that there is has no interval; empty where it has one."""
+        known = math.isfinite(half_width(self.bounds(row)))
+        if not self.interval or known or not math.isfinite(self.value(row)):
+            return ""
+        alone = row.reference_batches == 1
+        return "one batch has no spread" if alone else "the reference's noise hides it"
 
     def allowed(self, limit: float) -> str:
         """The budget, as '≤ 20 %' or '≥ 0.97'."""
@@ -104,10 +115,12 @@ class Metric:
         return self.limit.format(shown)
 
     def undecided(self, row: Row) -> bool:
-        """Whether the interval lies on both sides of the budget: noise hides the answer."""
+        """Whether the interval lies on both sides of the budget, or is not known at all."""
         low, high = self.bounds(row)
-        if self.name not in row.budget or math.isnan(low) or math.isnan(high):
+        if self.name not in row.budget:
             return False
+        if self.hidden(row):
+            return True
         limit = row.budget[self.name]
         return any(low < edge < high for edge in (limit, *([-limit] if "±" in self.limit else [])))
 
@@ -125,10 +138,20 @@ METRICS = {
 }  # fmt: skip
 
 
-def tightest(row: Row) -> str:
-    """The budgeted metric with the smallest margin; empty where no margin is known."""
+def decisive(row: Row) -> str:
+    """The budgeted metric that gives a row its verdict; empty where there is none.
+
+    The one with the smallest margin; but one without a figure where no other misses its budget,
+    and in an inconclusive row one of those that noise hides.
+    """
     known = {n: m for n, m in row.margins.items() if n in METRICS and not math.isnan(m)}
-    return min(known, key=known.__getitem__, default="")
+    if row.verdict == "inconclusive":
+        known = {n: m for n, m in known.items() if METRICS[n].undecided(row)} or known
+    worst = min(known, key=known.__getitem__, default="")
+    lost = [n for n in METRICS if n in row.budget and math.isnan(METRICS[n].value(row))]
+    if row.verdict == "fail" and lost and known.get(worst, 0) >= 0:
+        return lost[0]
+    return worst
 
 
 def _decimals(value: float) -> int:

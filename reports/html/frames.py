@@ -1,5 +1,6 @@
 """The frames of one case, read from disk, and one object cut out of them."""
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -48,6 +49,8 @@ class CaseFrames:
         if truth not in self.record.truths:
             raise PictureError(f"there is no reference '{truth}' of this case")
         a, b = (self._frame(path).rgb for path in self.record.truths[truth])
+        if a.shape != b.shape:
+            raise PictureError(f"the halves of '{truth}' differ in size")
         return np.stack([a, b])
 
     def truth(self, truth: str) -> np.ndarray:
@@ -70,7 +73,7 @@ class CaseFrames:
 
         Where no candidate could be compared, that of all objects in a truth; 1 without a truth.
         """
-        if known := [r.exposure for r in self.rows if r.exposure > 0]:
+        if known := [r.exposure for r in self.rows if 0 < r.exposure < math.inf]:
             return float(np.median(known))
         for name in self.record.truths:
             try:
@@ -80,6 +83,10 @@ class CaseFrames:
                 continue
         return 1.0
 
+    def exposure_of(self, row: Row) -> float:
+        """The display scale of a row's object; the case's where the row has none."""
+        return row.exposure if 0 < row.exposure < math.inf else self.exposure
+
     def subject(self, row: Row) -> tuple[Subject, tuple[slice, slice]]:
         """What the metrics saw of a row's object, and where in the picture that lies."""
         candidate = self.candidate(row.technique)
@@ -87,10 +94,10 @@ class CaseFrames:
         if candidate.shape != halves.shape[1:]:
             raise PictureError("candidate and reference differ in size")
         if not mask.any():
-            raise PictureError(f"'{row.object}' covers no pixel")
+            raise PictureError(row.problem or f"'{row.object}' covers no pixel")
         crop = crop_of(mask)
         if (row.truth, row.object) not in self._views:  # shared by techniques, with its moments
-            exposure = row.exposure if row.exposure > 0 else self.exposure
+            exposure = self.exposure_of(row)
             view = TruthView(halves[:, *crop], mask[crop], exposure)
             self._views[row.truth, row.object] = view
         return Subject(candidate[crop], self._views[row.truth, row.object]), crop

@@ -81,15 +81,16 @@ def case_pictures(frames: CaseFrames) -> list[Picture]:
 
 def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:
     """Candidate, truth and signed error around one row's object, at the object's exposure."""
+    window, exposure, reason = None, 1.0, ""
     try:
         mask = frames.mask(row.truth, row.object)
-        window = _window(mask)
-        exposure = row.exposure if row.exposure > 0 else frames.exposure
-    except (PictureError, IndexError) as error:
-        window, exposure, reason = None, 1.0, str(error) or "the object covers no pixel"
+        window, exposure = _window(mask), frames.exposure_of(row)
+        reason = "" if window else row.problem or f"'{row.object}' covers no pixel"
+    except Exception as error:  # whatever it is, the rest of the page is still worth having
+        reason = _told(error)
 
     def shown(kind: str) -> str:
-        if window is None:
+        if reason or window is None:
             raise PictureError(reason)
         if kind == "signed":
             return _map(frames, [row], kind, window)
@@ -111,16 +112,24 @@ def _whole(frames: CaseFrames, read: Callable[[str], np.ndarray], name: str) -> 
 def _map(
     frames: CaseFrames, rows: list[Row], kind: str, window: tuple[slice, slice] = np.s_[:, :]
 ) -> str:
-    """One map over the objects of all rows, which share a technique and a truth."""
+    """One map over the objects of all rows, which share a technique and a truth.
+
+    An object that cannot be shown is left out, unless there is no other.
+    """
     compute, scale = MAPS[kind]
     shape = frames.mask(rows[0].truth, rows[0].object).shape
     values, inside = np.full(shape, np.nan, np.float32), np.zeros(shape, bool)
+    problems = []
     for row in rows:
-        if not frames.mask(row.truth, row.object).any() and len(rows) > 1:
-            continue  # the other objects still have something to show
-        subject, crop = frames.subject(row)
-        mask = subject.truth.mask
-        values[crop][mask], inside[crop][mask] = compute(subject)[mask], True
+        try:
+            subject, crop = frames.subject(row)
+            mask = subject.truth.mask
+            values[crop][mask] = compute(subject)[mask]
+            inside[crop][mask] = True
+        except Exception as error:  # the other objects still have something to show
+            problems.append(_told(error))
+    if len(problems) == len(rows):
+        raise PictureError(problems[0])
     return colour_map(values[window], inside[window], scale)
 
 
@@ -130,12 +139,24 @@ def _made(
     """The picture, or its absence with the reason."""
     try:
         return Picture(kind, technique, truth, make(), size)
-    except PictureError as error:
-        return Picture(kind, technique, truth, "", size, str(error))
+    except Exception as error:  # one bad picture must not cost the whole page
+        return Picture(kind, technique, truth, "", size, _told(error))
 
 
-def _window(mask: np.ndarray) -> tuple[slice, slice]:
-    """A window of CLOSE_UP's shape around a mask (H, W), or as much of it as the picture has."""
+def _told(error: Exception) -> str:
+    """What to say in place of a picture; anything unforeseen with its kind."""
+    if isinstance(error, PictureError):
+        return str(error)
+    return f"it cannot be drawn ({type(error).__name__}: {error})"
+
+
+def _window(mask: np.ndarray) -> tuple[slice, slice] | None:
+    """A window of CLOSE_UP's shape around a mask (H, W), or as much of it as the picture has.
+
+    None where the mask is empty.
+    """
+    if not mask.any():
+        return None
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     height = max(1.15 * (np.ptp(rows) + 1), 1.15 * (np.ptp(columns) + 1) / CLOSE_UP)
     spans = []

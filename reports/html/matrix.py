@@ -17,12 +17,14 @@ class Cell:
 
     Attributes:
         state: a CSS class: over, within, reported or broken, with a depth of 1 to 3.
-        undecided: the interval lies on both sides of the budget.
+        hidden: why the spread is not known, if it is not.
+        undecided: noise hides whether the figure is within the budget.
         label: all of it in words, for a tooltip and a screen reader.
     """
 
     text: str
     spread: str
+    hidden: str
     limit: str
     state: str
     undecided: bool
@@ -74,18 +76,21 @@ def cell(metric: Metric, row: Row, places: int = 1) -> Cell:
     limit = row.budget.get(metric.name)
     allowed = metric.allowed(limit) if limit is not None else ""
     value, undecided = metric.value(row), metric.undecided(row)
-    text, spread = metric.show(value), metric.spread(row)
-    words = [f"{subject(row)}: {metric.label} {text} {spread}".rstrip()]
+    text, spread, hidden = metric.show(value), metric.spread(row), metric.hidden(row)
+    told = f"{spread}: {hidden}" if hidden else spread
+    words = [f"{subject(row)}: {metric.label} {text} {told}".rstrip()]
     words.append(f"budget {allowed}" if allowed else "no budget: reported only")
     if undecided:
         words.append("noise hides the answer")
     if row.problem:
         words.append(row.problem)
+    elif math.isnan(value):
+        words.append("no figure: it is infinite or was not measured")
     if places > 1:
         words.append(f"the worst of {places} places")
     href = f"#{row_id(row)}"
     state = _state(metric, row, value)
-    return Cell(text, spread, allowed, state, undecided, "; ".join(words), href)
+    return Cell(text, spread, hidden, allowed, state, undecided, "; ".join(words), href)
 
 
 def row_id(row: Row) -> str:

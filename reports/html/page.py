@@ -3,12 +3,11 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from reports.gate import worst_first
 from reports.html import columns, verdict
 from reports.html.colour import SIGNED, SIMILARITY, Scale
-from reports.html.figures import METRICS, slug
+from reports.html.figures import METRICS, decisive, seconds, slug
 from reports.html.frames import CaseFrames
 from reports.html.images import Picture, case_pictures, close_ups
 from reports.html.matrix import Matrix, label_of, matrices, row_id
@@ -83,6 +82,7 @@ class Page:
 
     results: Results
     sentence: str
+    caution: str
     counts: str
     worst: Row | None
     worst_id: str
@@ -90,6 +90,7 @@ class Page:
     techniques: list[str]
     truths: list[str]
     chosen: tuple[str, str]
+    energy: str
     matrices: list[Matrix]
     labels: dict[str, str]
     facts: list[Fact]
@@ -97,7 +98,8 @@ class Page:
     groups: tuple[tuple[str, tuple[columns.Column, ...]], ...]
     kinds: dict[str, Kind]
     provenance: str
-    budgets: list[dict[str, Any]]
+    seconds: str
+    budgets: list[list[str]]
 
 
 def page_of(results: Results, folder: Path) -> Page:
@@ -112,6 +114,7 @@ def page_of(results: Results, folder: Path) -> Page:
     return Page(
         results=results,
         sentence=verdict.sentence(results, ranked),
+        caution=verdict.caution(results),
         counts=_counts(results.rows),
         worst=worst,
         worst_id=row_id(worst) if worst else "",
@@ -119,6 +122,7 @@ def page_of(results: Results, folder: Path) -> Page:
         techniques=list(dict.fromkeys(r.technique for r in results.rows)),
         truths=list(dict.fromkeys(r.truth for r in results.rows)),
         chosen=(worst.technique, worst.truth) if worst else ("", ""),
+        energy="total" if worst and decisive(worst) == "energy_error" else "local",
         matrices=matrices(results.rows),
         labels={name: metric.label for name, metric in METRICS.items()},
         facts=facts(results),
@@ -126,7 +130,11 @@ def page_of(results: Results, folder: Path) -> Page:
         groups=columns.GROUPS,
         kinds=KINDS,
         provenance=json.dumps(results.provenance, indent=2, ensure_ascii=False, default=str),
-        budgets=[b.model_dump(exclude_none=True) for b in results.budgets],
+        seconds=seconds(results.seconds),
+        budgets=[
+            [f"{name} {value}" for name, value in b.model_dump(exclude_none=True).items() if value]
+            for b in results.budgets
+        ],
     )
 
 

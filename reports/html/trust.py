@@ -49,20 +49,27 @@ def _noise(results: Results) -> str:
         ("energy_error", "total energy", percent),
         ("ssim", "SSIM", similarity),
     )
+    if all(math.isnan(METRICS[name].value(r)) for name, _, _ in named for r in results.rows):
+        return "no row has figures"
     parts = []
     for name, label, show in named:
         halves = [half_width(METRICS[name].bounds(r)) for r in results.rows]
-        halves = [h for h in halves if not math.isnan(h)]
+        halves = [h for h in halves if math.isfinite(h)]
+        reasons = [why for r in results.rows if (why := METRICS[name].hidden(r))]
         if halves:
-            parts.append(f"{label} ±{GAP}{show(median(halves))}, ±{GAP}{show(max(halves))}")
-    return "\n".join(parts) or "unknown: one batch has no spread"
+            unknown = f"; unknown in {len(reasons)}" if reasons else ""
+            figures = f"±{GAP}{show(median(halves))}, ±{GAP}{show(max(halves))}"
+            parts.append(f"{label} {figures}{unknown}")
+        elif reasons:
+            parts.append(f"{label} unknown: {reasons[0]}")
+    return "\n".join(parts) or NONE
 
 
 def _rows(results: Results) -> Fact:
-    broken = sum(bool(r.problem) for r in results.rows)
+    broken, skipped = sum(bool(r.problem) for r in results.rows), len(results.skipped)
     text = (
         f"{len(results.rows)} of {results.expected_rows}; {len(results.missing)} missing, "
-        f"{broken} without figures, {len(results.skipped)} skipped"
+        f"{broken} without figures, {skipped} case{'s' * (skipped != 1)} skipped"
     )
     doubt = bool(results.missing or broken or results.skipped)
     missing = (

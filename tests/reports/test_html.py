@@ -13,6 +13,7 @@ from reports.gate import conclude, judge
 from reports.html import write_report
 from reports.html.colour import NOT_A_NUMBER, SIGNED, SIMILARITY
 from reports.html.figures import METRICS, percent
+from reports.html.images import MAPS
 from reports.html.matrix import cell
 from reports.html.png import colour_map, picture
 from reports.results import CaseRecord, Missing, Results, Row
@@ -259,6 +260,125 @@ def test_trust_shows_parity_that_fails(folder):
     text = Page(written(results([row()]), folder)).text["dl"]
     assert "1 of 2 checks pass; background does not" in text
     assert "FAILS: background, off by 3 %" in text and "llvmpipe" in text
+
+
+def test_an_object_off_screen_costs_nothing_else(folder):
+    gone = row(object="gone", problem="covers no pixel of the truth", ssim=np.nan)
+    run = results([row(), gone])
+    run = run.model_copy(update={"cases": [
+        c.model_copy(update={"objects": ["left", "right", "gone"]}) for c in run.cases
+    ]})  # fmt: skip
+    page = Page(written(run, folder))
+    assert page.text["figure"].count("No picture: covers no pixel of the truth") == 3  # close-ups
+    assert tuple(image(page, "Signed error of spheres.dusk")[20, 20]) == (*SIGNED.colours[35], 255)
+
+
+@pytest.mark.parametrize("pixels_of_left", [0, 1, 4])
+def test_pictures_of_two_by_two(tmp_path, pixels_of_left):
+    ids = (np.arange(4) < pixels_of_left).astype(np.uint8).reshape(2, 2)
+    rgb = np.full((2, 2, 3), 0.5, np.float32)
+    for name in ("paper.exr", "a.exr", "b.exr"):
+        save_frame(Frame(rgb, ids), tmp_path / name)
+    page = Page(written(results([row(problem="too small", ssim=np.nan)]), tmp_path))
+    assert image(page, "Candidate of spheres.dusk").shape == (2, 2, 4)
+    assert ("No picture: too small" in page.text["figure"]) == (pixels_of_left == 0)
+
+
+def test_what_nobody_foresaw_costs_one_picture(folder, monkeypatch):
+    def fall(subject):
+        raise ZeroDivisionError("no such thing")
+
+    monkeypatch.setitem(MAPS, "blocks", (fall, SIGNED))
+    page = Page(written(results([row()]), folder))
+    assert page.text["figure"].count("cannot be drawn (ZeroDivisionError: no such thing)") == 1
+    assert image(page, "Signed error of spheres.dusk").shape == (HEIGHT, WIDTH, 4)
+
+
+def test_noise_of_a_run_without_figures(folder):
+    nan = (np.nan,) * 2
+    lost = dict.fromkeys(("ssim", "energy_error", "energy_local"), np.nan)
+    lost |= dict.fromkeys(("ssim_ci95", "energy_ci95", "energy_local_ci95"), nan)
+    for run in (results([row(problem="exit code 1", **lost)]), results([])):
+        text = Page(written(run, folder)).text["dl"]
+        assert "no row has figures" in text and "no spread" not in text
+
+
+def test_budgets_say_no_more_than_they_hold(folder):
+    text = Page(written(results([row()]), folder)).text["ul"]
+    assert "technique paper, truth global, energy_local 0.2, ssim 0.9" in text
+    assert "reason" not in text
+
+
+@pytest.mark.parametrize(
+    ("figures", "name"),
+    [({}, "local"), ({"energy_error": 0.9, "energy_ci95": (0.8, 1.0)}, "total")],
+)
+def test_matrix_starts_with_what_the_headline_names(folder, figures, name):
+    budget = BUDGET.model_copy(update={"energy_error": 0.5})
+    page = Page(written(results([judge(row(**figures), [budget])]), folder))
+    assert f"{name} energy" in page.text["h1"]
+    (chosen,) = [a["value"] for t, a in page.elements
+                 if t == "input" and a["data-axis"] == "energy" and "checked" in a]  # fmt: skip
+    shown = {a["data-energy"] for t, a in page.elements
+             if t == "table" and "matrix" in a["class"] and "hidden" not in a}  # fmt: skip
+    assert chosen == name and shown == {name, ""}
+
+
+def test_close_up_of_the_error_says_whose_it_is(folder):
+    page = Page(written(results([row()]), folder))
+    assert page.text["figcaption"].count("of left only; all else is left grey") == 1
+
+
+@pytest.mark.parametrize(
+    ("expected", "words"),
+    [
+        (3, "PASS (1 of 3 rows were asked for; 2 cases skipped by the filter): every"),
+        (1, "PASS (only a part of the suite was asked for; 2 cases skipped by the filter): every"),
+    ],
+)
+def test_skipped_cases_are_told(folder, expected, words):
+    skipped = ["spheres.noon (filter 'dusk')", "spheres.night (filter 'dusk')"]
+    page = Page(written(results([row()], expected_rows=expected, skipped=skipped), folder))
+    assert page.text["h1"].startswith(words)
+    assert "2 cases skipped" in page.text["dl"]
+    assert all(f"skipped: {s}" in page.text["details"] for s in skipped)
+
+
+def test_a_pass_says_what_it_does_not_promise(folder):
+    override = BUDGET.model_copy(update={"material": "gold", "reason": "gold is hard"})
+    rows = [row(), row(object="right", material="gold")]
+    text = written(results(rows, budgets=[BUDGET, override]), folder)
+    assert "not a promise of quality; 1 of 2 rows use an override with a reason." in text
+    assert "no row uses an override" in written(results([row()]), folder)
+    failing = row(energy_local=0.9, energy_local_ci95=(0.8, 1.0))
+    assert "promise of quality" not in written(results([failing]), folder)
+
+
+@pytest.mark.parametrize(
+    ("batches", "why"), [(8, "the reference's noise hides it"), (1, "one batch has no spread")]
+)
+def test_an_interval_that_noise_hides_is_told(folder, batches, why):
+    hidden = row(ssim_ci95=(np.nan, np.nan), reference_batches=batches)
+    made = cell(METRICS["ssim"], hidden)
+    words = f"±\u202funknown: {why}"
+    assert words in made.label and made.undecided and made.spread == "±\u202funknown"
+    page = Page(written(results([hidden]), folder))
+    assert words in page.text["table"]
+    assert "noise hides whether" in page.text["h1"] and "SSIM budget" in page.text["h1"]
+
+
+@pytest.mark.parametrize("value", [np.inf, np.nan])
+def test_an_infinite_or_lost_figure_is_text(folder, value):
+    lost = row(energy_local=value, energy_local_ci95=(value, value))
+    run = results([lost])
+    again = Results.model_validate_json(run.model_dump_json())  # where infinity is null
+    for page in (Page(written(r, folder)) for r in (run, again)):
+        assert "local energy budget" in page.text["h1"]
+        assert not re.search(r"\b(nan|inf)\b", page.text["table"].replace("NaN / Inf", ""), re.I)
+    assert "has no figure to hold against its local energy budget of 20" in page.text["h1"]
+    half = row(energy_local_ci95=(0.05, np.inf))
+    assert "unknown" in METRICS["energy_local"].spread(half)
+    written(results([half], seconds=np.inf), folder)
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,12 @@ IN_SCENE = [
     (MATERIAL, changed("f0 = [2.0, 0.0, 0.0]"), "f0", "less than or equal to 1"),
     (MATERIAL, changed("metallic = 0.5"), "material", "add albedo"),
     (MATERIAL, changed("roughness = 2.0"), "roughness", "less than or equal to 1"),
+    (MATERIAL, changed('weight = "0.2"'), "weight", "valid number"),
+    (MATERIAL, changed("weight = true"), "weight", "valid number"),
+    (MATERIAL, changed("weight = [true, false]"), "weight", "from 0 to 1"),
+    (MATERIAL, changed("roughness = true"), "roughness", "valid number"),
+    (MATERIAL, changed('albedo = ["0.2", 0, 0]'), "albedo.0", "valid number"),
+    (MATERIAL, changed("f0 = true"), "f0", "valid"),
     ('mesh = "sphere"', 'mesh = "sphre"', "object.0.mesh", "sphere, plane, bunny"),
     ('mesh = "sphere"', 'mesh = "none.ply"', "object.0.mesh", "a path starts at"),
     ('mesh = "sphere"', 'mesh = "a\\nb"', "object.0.mesh", "use one of"),
@@ -48,6 +54,9 @@ IN_SCENE = [
     ("[64, 48]", "[64]", "resolution.1", "add it"),
     ("[64, 48]", "[64, 99999]", "resolution.1", "less than or equal to 16384"),
     ("fov = 30.0", "fov = 0.0", "camera.fov", "greater than 0"),
+    ("fov = 30.0", 'fov = "30"', "camera.fov", "valid number"),
+    ("[64, 48]", "[64, true]", "resolution.1", "valid integer"),
+    ('mesh = "sphere"', 'mesh = "sphere"\njudged = 1', "object.0.judged", "valid boolean"),
     ("fov = 30.0", "", "camera.fov", "add it"),
     ("fov = 30.0", "fov = 30.0\nzoom = 2", "camera.zoom", "FORMAT.md"),
     ("target = [0.0, 0.0, 0.0]", "target = [0.0, nan, 0.0]", "camera.target.1", "finite"),
@@ -58,6 +67,10 @@ IN_SCENE = [
 IN_SUITE = [
     ('"studio"', '"studo"', "run.0.environments", "studio"),
     ('"studio"', '"none.exr"', "run.0.environments", "a path starts at"),
+    (RUN, 'environments = ["sky.png"]', "run.0.environments", "convert it to .exr or .hdr"),
+    (RUN, 'environments = ["sky.JPG"]', "run.0.environments", "convert it to .exr or .hdr"),
+    (RUN, RUN + "\n[run.sweep]\nroughness = []", "run.0.sweep.roughness", "at least 1"),
+    (RUN, RUN + "\n[run.sweep]\nroughness = [true]", "run.0.sweep.roughness.0", "valid number"),
     (RUN, "environments = []", "run.0.environments", "at least 1"),
     (RUN, RUN + "\nrotation = nan", "run.0.rotation", "finite"),
     (RUN, RUN + "\nresolution = [64, 0]", "run.0.resolution.1", "greater than 0"),
@@ -106,6 +119,31 @@ def test_a_mistake_in_a_material_names_the_material(write_suite, refused, tmp_pa
     path = write_suite(MATERIAL, 'material = "own.toml"')
     (tmp_path / "own.toml").write_text('roughness = 3.0\nmetallic = 1.0\nmetal = "Au"\n')
     refused(lambda: expand(*load_suite(str(path))), "own.toml", "roughness", "equal to 1")
+
+
+@pytest.mark.parametrize("own", ["weight = 1.2", "weight_g = 1.2"])
+@pytest.mark.parametrize("changed_by", ["sweep", "object"])
+def test_a_mistake_that_is_overridden_is_still_refused(
+    write_suite, refused, tmp_path, own, changed_by
+):
+    used = "{ use = 'own.toml', weight = 0.5, weight_g = 0.5 }"
+    used = used if changed_by == "object" else "'own.toml'"
+    path = write_suite(MATERIAL, f"material = {used}")
+    (tmp_path / "own.toml").write_text(f'roughness = 0.5\nmetallic = 1.0\nmetal = "Au"\n{own}\n')
+    if changed_by == "sweep":
+        path.write_text(path.read_text() + "[run.sweep]\nweight = [0.5]\n")
+    error = refused(lambda: expand(*load_suite(str(path))), "own.toml", "weight", "equal to 1")
+    assert "as changed by" not in str(error)
+
+
+def test_a_missing_file_is_named_whole(refused, tmp_path):
+    path = tmp_path / ("a" * 60) / ("b" * 60) / "suite.toml"
+    refused(lambda: load_suite(str(path)), str(path))
+
+
+def test_integers_are_numbers(write_suite):
+    path = write_suite("fov = 30.0", "fov = 30")
+    assert expand(*load_suite(str(path)))[0].case.camera.fov == 30.0
 
 
 def test_two_objects_of_one_name_are_refused(write_suite, refused, tmp_path):
