@@ -311,7 +311,7 @@ def test_budgets_say_no_more_than_they_hold(folder):
 
 @pytest.mark.parametrize(
     ("figures", "name"),
-    [({}, "local"), ({"energy_error": 0.9, "energy_ci95": (0.8, 1.0)}, "total")],
+    [({"ssim": 0.99}, "local"), ({"energy_error": 0.9, "energy_ci95": (0.8, 1.0)}, "total")],
 )
 def test_matrix_starts_with_what_the_headline_names(folder, figures, name):
     budget = BUDGET.model_copy(update={"energy_error": 0.5})
@@ -376,7 +376,7 @@ def test_an_infinite_or_lost_figure_is_text(folder, value):
         assert "local energy budget" in page.text["h1"]
         assert not re.search(r"\b(nan|inf)\b", page.text["table"].replace("NaN / Inf", ""), re.I)
     assert "has no figure to hold against its local energy budget of 20" in page.text["h1"]
-    half = row(energy_local_ci95=(0.05, np.inf))
+    half = row().model_copy(update={"energy_local_ci95": (0.05, np.inf)})
     assert "unknown" in METRICS["energy_local"].spread(half)
     written(results([half], seconds=np.inf), folder)
 
