@@ -80,9 +80,7 @@ def _ggx_share(value: Any) -> Any:
         return value
     if len(value) != 2:
         raise ValueError(f"{len(value)} weights for two lobes; give [ggx, beckmann]")
-    if not all(
-        isinstance(w, int | float) and not isinstance(w, bool) and 0 <= w <= 1 for w in value
-    ):
+    if not all(type(w) in (int, float, np.float64) and 0 <= w <= 1 for w in value):
         raise ValueError(f"weights {value} leave [0, 1]; give each from 0 to 1")
     if not math.isclose(sum(value), 1, abs_tol=1e-6):
         raise ValueError(f"the weights sum to {sum(value):.6g}; make them sum to 1")

@@ -22,8 +22,8 @@ from scenes.schema import (
     Object,
     Pixels,
     Positive,
-    Switch,
     Strict,
+    Switch,
     Unit,
     Vector,
     Weight,
@@ -313,10 +313,10 @@ def _object(
             use, home, named_at = crossed, suite_path, crossing
     found = find(use, HERE / "materials", (".toml",), home.parent, home, named_at)
     raw = read_toml(found)
+    parse(Material, {**raw, "name": found.stem}, found)  # even a mistake that is overridden
     if "weight" in changes:
         raw.pop("weight_g", None)  # a sweep of the weight moves D and G together
     changed = scene_path if table else None
-    parse(Material, {**read_toml(found), "name": found.stem}, found)  # its own mistakes come first
     material = parse(Material, {**raw, **table, "name": found.stem}, found, changed, field)
     mesh = entry.mesh
     if mesh not in PRIMITIVES:
