@@ -9,7 +9,7 @@ PYTHON ?= python3
 NO_APT ?=
 
 BIN := .venv/bin
-RUN := --suite $(SUITE) --out $(OUT) $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
+RUN := --suite '$(SUITE)' --out '$(OUT)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -28,10 +28,10 @@ gate: .venv/.stamp ## the same, and fail when a row misses its budget
 	@$(BIN)/shadeproof gate $(RUN)
 
 report: .venv/.stamp ## write the report anew from the results in OUT
-	@$(BIN)/shadeproof report --out $(OUT) $(ARGS)
+	@$(BIN)/shadeproof report --out '$(OUT)' $(ARGS)
 
 references: .venv/.stamp ## render the references a suite needs and keep them
-	@$(BIN)/shadeproof references --suite $(SUITE) $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
+	@$(BIN)/shadeproof references --suite '$(SUITE)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
 bench: .venv/.stamp ## time every technique beside one path-traced sample per pixel at 1920x1080
 	@$(BIN)/shadeproof bench $(ARGS)
