@@ -98,7 +98,8 @@ class CaseFrames:
         crop = crop_of(mask)
         if (row.truth, row.object) not in self._views:  # shared by techniques, with its moments
             exposure = self.exposure_of(row)
-            view = TruthView(halves[:, *crop], mask[crop], exposure)
+            corner = (crop[0].start, crop[1].start)
+            view = TruthView(halves[:, *crop], mask[crop], exposure, corner)
             self._views[row.truth, row.object] = view
         return Subject(candidate[crop], self._views[row.truth, row.object]), crop
 

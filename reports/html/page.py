@@ -132,7 +132,11 @@ def page_of(results: Results, folder: Path) -> Page:
         provenance=json.dumps(results.provenance, indent=2, ensure_ascii=False, default=str),
         seconds=seconds(results.seconds),
         budgets=[
-            [f"{name} {value}" for name, value in b.model_dump(exclude_none=True).items() if value]
+            [
+                f"{name} {value}"
+                for name, value in b.model_dump(exclude_none=True).items()
+                if value != ""
+            ]
             for b in results.budgets
         ],
     )

@@ -304,9 +304,11 @@ def test_noise_of_a_run_without_figures(folder):
 
 
 def test_budgets_say_no_more_than_they_hold(folder):
-    text = Page(written(results([row()]), folder)).text["ul"]
+    zero = Budget(technique="paper", truth="global", weight=0, ssim=0.8, reason="pure Beckmann")
+    text = Page(written(results([row()], budgets=[BUDGET, zero]), folder)).text["li"]
     assert "technique paper, truth global, energy_local 0.2, ssim 0.9" in text
-    assert "reason" not in text
+    assert "technique paper, truth global, weight 0.0, reason pure Beckmann, ssim 0.8" in text
+    assert text.count("reason ") == 1
 
 
 @pytest.mark.parametrize(
