@@ -7,8 +7,8 @@ import reference.mixture  # noqa: F401  registers the plugin `mixture`
 from reference.physical import physical_bsdf
 from reference.variant import mitsuba
 from scenes.environment import load_environment
-from scenes.mesh import world_mesh
-from scenes.schema import Camera, Case, Environment, Material, Object
+from scenes.mesh import Mesh, world_mesh
+from scenes.schema import Camera, Case, Environment, Material
 
 mi = mitsuba()
 
@@ -23,9 +23,10 @@ def build_scene(case: Case, physical: bool = False) -> tuple[mi.Scene, list[str]
         InputError: a mesh, an environment or (for `physical`) a material cannot be used.
     """
     notes: list[str] = []
+    placed = [world_mesh(obj) for obj in case.objects]
     scene = {
         "type": "scene",
-        "sensor": sensor(case.camera, case.width, case.height),
+        "sensor": sensor(case.camera, case.width, case.height, _reach(case.camera, placed)),
         "environment": environment(case.environment),
     }
     for number, obj in enumerate(case.objects):
@@ -34,7 +35,7 @@ def build_scene(case: Case, physical: bool = False) -> tuple[mi.Scene, list[str]
             notes += remarks
         else:
             bsdf = model_bsdf(obj.material)
-        scene[shape_id(number)] = mesh(obj, bsdf, shape_id(number))
+        scene[shape_id(number)] = mesh(placed[number], bsdf, shape_id(number))
     # Without `optimize`, shapes stay as they are, one per object, and can be told apart.
     return mi.load_dict(scene, optimize=False), notes
 
@@ -56,9 +57,8 @@ def model_bsdf(material: Material) -> dict:
     }
 
 
-def mesh(obj: Object, bsdf: dict, name: str) -> mi.Mesh:
-    """The object's triangles in world space, with the given normal at each vertex."""
-    source = world_mesh(obj)
+def mesh(source: Mesh, bsdf: dict, name: str) -> mi.Mesh:
+    """Triangles in world space, with the given normal at each vertex."""
     props = mi.Properties()
     props["bsdf"] = mi.load_dict(bsdf)
     shape = mi.Mesh(
@@ -88,8 +88,20 @@ def environment(source: Environment) -> dict:
     }
 
 
-def sensor(camera: Camera, width: int, height: int) -> dict:
-    """A pinhole of vertical field of view, with a box filter over each pixel."""
+def _reach(camera: Camera, placed: list[Mesh]) -> float:
+    """A distance from the eye within which everything lies."""
+    eye = np.array(camera.origin)
+    corners = [(m.vertices.min(axis=0), m.vertices.max(axis=0)) for m in placed]
+    return max(
+        float(np.linalg.norm(np.maximum(abs(low - eye), abs(high - eye)))) for low, high in corners
+    )
+
+
+def sensor(camera: Camera, width: int, height: int, reach: float) -> dict:
+    """A pinhole of vertical field of view, with a box filter over each pixel.
+
+    Its clip distances only bound the rays, so they lie well outside of what can be seen.
+    """
     look = mi.ScalarTransform4f().look_at(
         origin=list(camera.origin), target=list(camera.target), up=list(camera.up)
     )
@@ -97,8 +109,8 @@ def sensor(camera: Camera, width: int, height: int) -> dict:
         "type": "perspective",
         "fov_axis": "y",
         "fov": camera.fov,
-        "near_clip": 1e-3,
-        "far_clip": 1e5,
+        "near_clip": 2e-7 * reach,
+        "far_clip": 2 * reach,
         "to_world": look,
         "film": {
             "type": "hdrfilm",

@@ -16,7 +16,7 @@ from renderer.precompute import Maps, precomputed
 from renderer.precompute.prefilter import LEVELS
 from renderer.program import bind_maps, fill, program, set_uniforms
 from renderer.targets import Target, make_target, release
-from renderer.view import View, view
+from renderer.view import View, inside, view
 from scenes.frame import Frame
 from scenes.mesh import load_mesh, placement
 from scenes.schema import Case, Object
@@ -32,7 +32,7 @@ class Draw:
     vertices: moderngl.VertexArray
     shader: moderngl.Program
     uniforms: dict[str, Any]
-    closed: bool
+    culled: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ class Renderer:
 
     def prepare(self, case: Case, maps: Maps) -> Prepared:
         """Compile (or find) the shaders, gather the uniforms and make the target."""
-        camera, turn = view(case, _corners(case)), case.environment.rotation / 360
+        camera, turn = view(case), case.environment.rotation / 360
         draws = [self._draw(o, camera, turn) for o in case.objects]
         background = program("fullscreen.vert", "background.frag")
         rays = {
@@ -114,7 +114,7 @@ class Renderer:
             "prefilter_levels": float(LEVELS),
             "environment_turn": turn,
         }
-        return Draw(vertex_array(obj.mesh, shader), shader, uniforms, load_mesh(obj.mesh).closed)
+        return Draw(vertex_array(obj.mesh, shader), shader, uniforms, _culled(obj, camera))
 
 
 def draw_frame(prepared: Prepared) -> None:
@@ -123,7 +123,7 @@ def draw_frame(prepared: Prepared) -> None:
     target.drawn.use()
     target.drawn.clear()
     for draw in prepared.draws:
-        gl.enable_only(moderngl.DEPTH_TEST | (moderngl.CULL_FACE if draw.closed else 0))
+        gl.enable_only(moderngl.DEPTH_TEST | (moderngl.CULL_FACE if draw.culled else 0))
         set_uniforms(draw.shader, **draw.uniforms)
         bind_maps(draw.shader, prepared.maps)
         draw.vertices.render()
@@ -141,14 +141,14 @@ def draw_frame(prepared: Prepared) -> None:
 def object_ids(case: Case) -> np.ndarray:
     """The object at each pixel's centre, (H, W) uint8, 1-based; 0 is the background."""
     gl, size = context(), (case.width, case.height)
-    camera = view(case, _corners(case))
+    camera = view(case)
     shader = program("mesh.vert", "id.frag")
     target = gl.framebuffer([gl.renderbuffer(size, 1, dtype="u1")], gl.depth_renderbuffer(size))
     target.use()
     target.clear()
     for number, obj in enumerate(case.objects, start=1):
-        closed = load_mesh(obj.mesh).closed
-        gl.enable_only(moderngl.DEPTH_TEST | (moderngl.CULL_FACE if closed else 0))
+        cull = moderngl.CULL_FACE if _culled(obj, camera) else 0
+        gl.enable_only(moderngl.DEPTH_TEST | cull)
         set_uniforms(shader, id=number, **_placed(obj, camera))
         vertex_array(obj.mesh, shader).render()
     gl.enable_only(moderngl.NOTHING)
@@ -163,6 +163,11 @@ def vertex_array(mesh: str, shader: moderngl.Program) -> moderngl.VertexArray:
     vertices, indices = buffers(mesh)
     layout = ("3f 3f", "position", "normal") if "normal" in shader else ("3f 12x", "position")
     return context().vertex_array(shader, [(vertices, *layout)], indices)
+
+
+def _culled(obj: Object, camera: View) -> bool:
+    """Whether the object's back faces are hidden for sure: it is closed and the eye outside."""
+    return load_mesh(obj.mesh).closed and not inside(obj, camera.eye)
 
 
 def _placed(obj: Object, camera: View) -> dict[str, Any]:
@@ -184,17 +189,6 @@ def _pixel_area(camera: View, case: Case) -> float:
         * float(np.linalg.norm(camera.right) * np.linalg.norm(camera.up))
         / (case.width * case.height)
     )
-
-
-def _corners(case: Case) -> np.ndarray:
-    """The corners of every object's bounding box in world space, (8 n, 3)."""
-    corners = []
-    for obj in case.objects:
-        points, matrix = load_mesh(obj.mesh).vertices, placement(obj)
-        low, high = points.min(axis=0), points.max(axis=0)
-        box = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
-        corners.append(box @ matrix[:3, :3].T + matrix[:3, 3])
-    return np.concatenate(corners)
 
 
 def _timed(prepared: Prepared) -> float:

@@ -1,10 +1,15 @@
 """The camera as matrices for OpenGL."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+from trimesh.triangles import closest_point
 
-from scenes.schema import Case
+from scenes.mesh import load_mesh, placement
+from scenes.schema import Case, Object
+
+FAR_TO_NEAR = 1e-6  # at the least, or 24 bits of depth tell nothing apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +29,8 @@ class View:
     up: np.ndarray
 
 
-def view(case: Case, points: np.ndarray) -> View:
-    """The case's camera, with depth planes that just hold the world points (n, 3)."""
+def view(case: Case) -> View:
+    """The case's camera, with depth planes that just hold what can be seen."""
     camera = case.camera
     eye = np.asarray(camera.origin)
     forward = _unit(np.asarray(camera.target) - eye)
@@ -33,9 +38,7 @@ def view(case: Case, points: np.ndarray) -> View:
     up = np.cross(right, forward)
     tangent = np.tan(np.radians(camera.fov) / 2)
     aspect = case.width / case.height
-    depth = (points - eye) @ forward
-    far = max(depth.max() * 1.01, 1e-6)
-    near = max(depth.min() * 0.99, far * 1e-4)
+    near, far = _depth_planes(case, eye, forward, np.hypot(1, tangent * np.hypot(1, aspect)))
     look = np.eye(4)
     look[:3, :3] = [right, up, -forward]
     look[:3, 3] = -look[:3, :3] @ eye
@@ -44,6 +47,60 @@ def view(case: Case, points: np.ndarray) -> View:
     lens[2, 2:] = (far + near) / (near - far), 2 * far * near / (near - far)
     lens[3, 2] = -1
     return View(lens @ look, eye, forward, right * tangent * aspect, up * tangent)
+
+
+def inside(obj: Object, eye: np.ndarray) -> bool:
+    """Whether a world point is in the object's own bounding box, and so may be in the object."""
+    low, high = _box(obj.mesh)
+    matrix = placement(obj)
+    local = np.linalg.solve(matrix[:3, :3], eye - matrix[:3, 3])
+    return bool(((local >= low) & (local <= high)).all())
+
+
+def _depth_planes(
+    case: Case, eye: np.ndarray, forward: np.ndarray, slant: float
+) -> tuple[float, float]:
+    """Depths, along `forward`, before and behind everything that can be seen.
+
+    Args:
+        slant: distance over depth along a ray through a corner of the picture.
+    """
+    ahead = []
+    for obj in case.objects:
+        depth = (corners(obj) - eye) @ forward
+        if depth.max() > 0:
+            ahead.append((depth.min(), depth.max(), obj))
+    if not ahead:
+        return 1.0, 2.0
+    far = 1.01 * max(deepest for _, deepest, _ in ahead)
+    near = far
+    for nearest, _, obj in ahead:
+        if nearest < 1e-3 * far:  # the box is at the eye or around it; the triangles may not be
+            nearest = max(nearest, _distance(obj, eye, far) / slant)
+        near = min(near, nearest)
+    return max(0.99 * near, FAR_TO_NEAR * far), far
+
+
+def _distance(obj: Object, eye: np.ndarray, unit: float) -> float:
+    """From the eye to the object's triangles; worked out in `unit`, to suit trimesh's epsilons."""
+    mesh, matrix = load_mesh(obj.mesh), placement(obj)
+    points = (mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3] - eye) / unit
+    triangles = points[mesh.faces]
+    closest = closest_point(triangles, np.zeros((len(triangles), 3)))
+    return float(np.linalg.norm(closest, axis=1).min()) * unit
+
+
+def corners(obj: Object) -> np.ndarray:
+    """The corners of the object's own bounding box in world space, (8, 3)."""
+    matrix = placement(obj)
+    box = np.array(np.meshgrid(*zip(*_box(obj.mesh), strict=True))).reshape(3, -1).T
+    return box @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+@cache
+def _box(mesh: str) -> tuple[np.ndarray, np.ndarray]:
+    points = load_mesh(mesh).vertices.astype(float)
+    return points.min(axis=0), points.max(axis=0)
 
 
 def _unit(v: np.ndarray) -> np.ndarray:

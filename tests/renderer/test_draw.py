@@ -5,8 +5,9 @@ import pytest
 import trimesh
 from scipy import ndimage
 
+from reference.batches import render_batch
 from renderer.context import context
-from renderer.draw import Renderer, _corners, _placed, object_ids, vertex_array
+from renderer.draw import Renderer, _placed, object_ids, vertex_array
 from renderer.features import Technique, technique
 from renderer.glsl import source
 from renderer.program import set_uniforms
@@ -177,7 +178,7 @@ def test_stretched_normals_are_interpolated_as_unit_vectors(tmp_path, light, mak
     target = make_target((case.width, case.height), 0)
     target.drawn.use()
     target.drawn.clear()
-    set_uniforms(shader, **_placed(case.objects[0], view(case, _corners(case))))
+    set_uniforms(shader, **_placed(case.objects[0], view(case)))
     vertex_array(case.objects[0].mesh, shader).render()
     seen = target.read()
     target.release()
@@ -196,12 +197,25 @@ def test_stretched_normals_are_interpolated_as_unit_vectors(tmp_path, light, mak
 
 
 def test_a_camera_inside_an_object_or_before_none_still_draws(light, make_case, copper):
-    inside = make_case(light(1.0), ("sphere", copper(0.2), {"scale": 9.0}))
-    behind = make_case(light(1.0), ("sphere", copper(0.2), {"position": (0, -9, 0)}))
-    for case in (inside, behind):
-        frame = draw("paper", case)
-        np.testing.assert_allclose(frame.rgb, 1, rtol=1e-6)
-        assert (frame.ids == 0).all()
+    # The inner side of a closed mesh is black, as in Mitsuba.
+    inside = draw("paper", make_case(light(1.0), ("sphere", copper(0.2), {"scale": 9.0})))
+    assert (inside.rgb == 0).all() and (inside.ids == 1).all()
+    behind = draw("paper", make_case(light(1.0), ("sphere", copper(0.2), {"position": (0, -9, 0)})))
+    np.testing.assert_allclose(behind.rgb, 1, rtol=1e-6)
+    assert (behind.ids == 0).all()
+
+
+@pytest.mark.parametrize("unit", [1, 3e4, 1e-4])
+@pytest.mark.parametrize("side", [6, 2e4])
+def test_masks_agree_with_the_reference_at_any_size(light, make_case, copper, unit, side):
+    camera = Camera(origin=(0, -6 * unit, 1.4 * unit), target=(0, 0, unit / 2), fov=50)
+    ball = ("sphere", copper(0.2), {"position": (0, 0, unit), "scale": unit})
+    floor = ("plane", PLASTIC, {"scale": side * unit})
+    case = make_case(light(1.0), ball, floor, size=(160, 120), camera=camera)
+    expected = render_batch(case, "unoccluded", 1, 1).ids
+    assert set(np.unique(expected)) == {0, 1, 2}
+    # Grazed edges of triangles may fall to either side.
+    assert (object_ids(case) != expected).mean() < 1e-3
 
 
 def test_provenance_tells_the_device_and_times_apart(light, make_case, copper):
