@@ -122,6 +122,8 @@ def _samples_to_decide(
     if distance == 0:
         return f"{metric} lies on its budget"
     factor = ((high - low) / 2 / distance) ** 2
+    if not math.isfinite(factor):
+        return f"{metric}: its interval has no end"
     return f"{metric}: about {math.ceil(row.reference_spp * factor)} samples per pixel would decide"
 
 

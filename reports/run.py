@@ -55,6 +55,7 @@ class Job:
     path: Path = field(init=False)
     entries: list[Entry] = field(init=False)
     skipped: list[str] = field(init=False)
+    whole: list[Entry] = field(init=False)
 
     def __post_init__(self) -> None:
         suite, path = load_suite(self.suite_name)
@@ -79,6 +80,7 @@ class Job:
         object.__setattr__(self, "suite", suite)
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "entries", entries)
+        object.__setattr__(self, "whole", whole)
         object.__setattr__(self, "skipped", [f"{i} (filter '{self.filter}')" for i in skipped])
 
     def candidates(self, entry: Entry) -> dict[str, Candidate]:
@@ -87,11 +89,11 @@ class Job:
             return {OUTSIDE: self.outside}
         return {name: Renderer(technique(name)) for name in entry.techniques}
 
-    def expected(self) -> list[Missing]:
-        """Every row that the suite asks for."""
+    def expected(self, entries: list[Entry]) -> list[Missing]:
+        """Every row that the suite asks for in some of its entries."""
         return [
             Missing(case=e.case.id, object=o.name, technique=t, truth=truth)
-            for e in self.entries
+            for e in entries
             for t in ([OUTSIDE] if self.outside else e.techniques)
             for truth in e.truths
             for o in e.case.judged
@@ -119,7 +121,6 @@ def run(job: Job) -> Results:
     if not job.outside:
         surfaces = {o.material for e in job.entries for o in e.case.judged}
         checks.shaders += [_beside_oracle(m) for m in surfaces]
-    expected = job.expected()
     results = Results(
         suite=job.path.stem,
         suite_path=str(job.path),
@@ -129,8 +130,8 @@ def run(job: Job) -> Results:
         seconds=time.perf_counter() - start,
         provenance=_provenance() | {"parity": checks.verdicts()},
         allow_inconclusive=job.suite.allow_inconclusive,
-        expected_rows=len(expected),
-        missing=gate.missing_rows(expected, rows),
+        expected_rows=len(job.expected(job.whole)),
+        missing=gate.missing_rows(job.expected(job.entries), rows),
         skipped=job.skipped,
         cases=cases,
         budgets=list(job.suite.budget),
