@@ -2,6 +2,7 @@
 
 import drjit as dr
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 from scipy.ndimage import binary_dilation
 
@@ -9,7 +10,7 @@ from reference import truths
 from reference.scene_dict import build_scene, camera_rays
 from reference.settings import PATH, rounded_samples
 from reference.truths import mi, stage
-from scenes.schema import Camera, Material, Object
+from scenes.schema import Camera, Environment, Material, Object
 from tests.reference import formula
 from tests.reference.cases import metal, plastic, project
 
@@ -23,6 +24,24 @@ def test_a_smooth_perfect_mirror_in_uniform_light_cannot_be_seen(make_case):
     # At alpha .01 masking takes under .1 % away from the rim.
     assert picture[12:24, 18:30].mean() == pytest.approx(1, abs=2e-3)
     assert picture[~ready.traced] == pytest.approx(1, abs=1e-5)
+
+
+@pytest.mark.parametrize("height", [1, 2])
+def test_an_environment_of_few_rows_is_linear_from_pole_to_pole(height, make_case, tmp_path):
+    rows = np.array([0.5, 2.0][:height], np.float32)
+    path = tmp_path / "few.exr"
+    image = oiio.ImageOutput.create(str(path))
+    image.open(str(path), oiio.ImageSpec(4, height, 3, oiio.FLOAT))
+    image.write_image(np.ascontiguousarray(np.broadcast_to(rows[:, None, None], (height, 4, 3))))
+    image.close()
+    case = make_case().model_copy(update={"environment": Environment(name="few", path=path)})
+    theta = np.linspace(0.01, np.pi - 0.01, 50)
+    si = dr.zeros(mi.SurfaceInteraction3f, 50)
+    si.wi = -mi.Vector3f(np.sin(theta), 0 * theta, np.cos(theta))
+    seen = build_scene(case)[0].environment().eval(si).numpy()[0]
+    assert seen == pytest.approx(
+        np.interp(theta, np.linspace(0, np.pi, 2), rows[[0, -1]]), rel=1e-4
+    )
 
 
 @pytest.mark.parametrize("truth", ["unoccluded", "global"])
