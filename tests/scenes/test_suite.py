@@ -1,6 +1,8 @@
 """From a suite file to its cases."""
 
+import shlex
 import shutil
+import subprocess
 
 import numpy as np
 import pytest
@@ -120,3 +122,19 @@ def test_a_narrower_picture_shows_the_whole_width_of_the_scene(tmp_path):
     assert tangents(1024, 372) == pytest.approx(own)
     assert tangents(1920, 1080)[1] == pytest.approx(own[1])
     assert tangents(2048, 186)[0] == pytest.approx(own[0])
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")
+def test_make_hands_on_paths_with_spaces(tmp_path):
+    shutil.copy(HERE.parent / "Makefile", tmp_path)
+    (tmp_path / "requirements").mkdir()
+    for needed in ("requirements/requirements.txt", "requirements/system.sh", "pyproject.toml"):
+        (tmp_path / needed).touch()
+    given = ["SUITE=my suite.toml", "OUT=my out"]
+    for target in ("compare", "gate", "report", "references"):
+        command = ["make", "--dry-run", "-C", str(tmp_path), target, *given]
+        said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        (line,) = [s for s in said.splitlines() if s.startswith(f".venv/bin/shadeproof {target}")]
+        words = shlex.split(line)
+        assert ("my suite.toml" in words) == (target != "report")
+        assert ("my out" in words) == (target != "references")
