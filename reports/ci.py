@@ -59,9 +59,7 @@ def markdown(results: Results) -> str:
     ]
     shown = worst_first(results.rows)[:SHOWN]
     lines += [_line(row) for row in shown]
-    counts = (
-        f"The worst {len(shown)} of {len(results.rows)} rows; {results.expected_rows} expected."
-    )
+    counts = f"The worst {len(shown)} of {len(results.rows)} rows; {results.expected_rows} in all."
     lines += ["", f"{counts} Again: `{results.command}`", ""]
     return "\n".join(lines)
 

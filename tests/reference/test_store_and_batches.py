@@ -50,11 +50,11 @@ def test_at_least_eight_batches_then_more_until_enough_and_never_beyond_the_limi
 
     told = []
     found = grow(case, "unoccluded", FEW, enough, store, lambda *done: told.append(done))
-    assert asked == [8, 12]
-    assert len(found) == 12
+    assert asked == [8, 16]
+    assert len(found) == 16
     assert told[0] == (1, 8)
-    assert told[-1] == (12, 12)
-    assert [f.provenance["batch"] for f in found] == list(range(12))
+    assert told[-1] == (16, 16)
+    assert [f.provenance["batch"] for f in found] == list(range(16))
     assert len(grow(case, "unoccluded", FEW, lambda _: False, store)) == 20
 
 
