@@ -5,6 +5,7 @@ import shlex
 import signal
 import sys
 import traceback
+from importlib import metadata
 from pathlib import Path
 from typing import Annotated, NoReturn
 
@@ -17,7 +18,6 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     add_completion=False,
-    help="How far is a real-time renderer from the truth, per material and mixture weight?",
 )
 # A file or a pipe has no width of its own; 160 columns hold five weights.
 console = Console(highlight=False, width=None if sys.stdout.isatty() else 160)
@@ -38,6 +38,22 @@ TimeoutOption = Annotated[
     float, typer.Option(min=0.1, help="Seconds that a candidate command may take.")
 ]
 OUT, STORE = Path("reports/out"), Path("reports/references")
+
+
+def _say_version(asked: bool) -> None:
+    if asked:
+        typer.echo(metadata.version("shadeproof"))
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_say_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    """How far is a real-time renderer from the truth, per material and mixture weight?"""
 
 
 @app.command()

@@ -75,7 +75,8 @@ def judge(row: Row, rules: list[Budget]) -> Row:
     budget, negative where the figure is over it.
     """
     limits, reasons = budget_of(row, rules)
-    margins, verdicts, notes = {}, [], [f"budget: {r}" for r in reasons]
+    margins, verdicts = {}, []
+    notes = [*filter(None, [row.note]), *(f"budget: {r}" for r in reasons)]
     for metric, limit in limits.items():
         value = getattr(row, metric)
         low, high = getattr(row, INTERVALS[metric]) if metric in INTERVALS else (value, value)

@@ -10,6 +10,8 @@ from scenes.frame import Frame
 from scenes.schema import Case, Object
 from scenes.suite import Budget
 
+ENOUGH_PIXELS = 10_000  # below, blocks are few and SSIM's windows are mostly rim
+
 
 def judged_rows(
     case: Case,
@@ -36,8 +38,19 @@ def judged_rows(
         made = frame.provenance.get("precomputation_seconds", float("nan"))
         times = {"frame_ms": frame.seconds * 1e3, "precomputation_ms": made * 1e3}
         for obj, figures in compare(case, frame, truth):
-            rows.append(Row(**_identity(case, obj, label), **_cost(truth), **times, **figures))
+            few = _few_pixels(obj, figures.get("pixels", 0))
+            rows.append(
+                Row(**_identity(case, obj, label), **_cost(truth), **times, **figures, note=few)
+            )
     return [gate.judge(row, rules) for row in rows]
+
+
+def _few_pixels(obj: Object, pixels: int) -> str:
+    """What to know of an object whose figures rest on few pixels, with its own reason if given."""
+    if pixels >= ENOUGH_PIXELS:
+        return ""
+    why = obj.small or "see `small` in scenes/FORMAT.md"
+    return f"covers {pixels:,} pixels, under {ENOUGH_PIXELS:,}: {why}"
 
 
 def _identity(case: Case, obj: Object, technique: str) -> dict[str, Any]:

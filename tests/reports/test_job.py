@@ -52,6 +52,12 @@ def test_the_schema_in_the_docs_is_the_schema(request):
     assert documented == Results.model_json_schema()
 
 
+def test_objects_of_few_pixels_carry_a_note(tiny):
+    for row in load_results(tiny / "results.json").rows:
+        assert row.pixels < 10_000
+        assert f"covers {row.pixels:,} pixels" in row.note
+
+
 def test_list_names_the_cases(shadeproof):
     assert shadeproof("compare", "--suite", "tiny", "--list")[:2] == (0, f"{CASE}\n")
 
