@@ -145,14 +145,45 @@ class Material(Strict):
 class Model(Strict):
     """What the BRDF is, whoever integrates it. The default is the paper's.
 
-    kd is 1 - F(h·wi) under the integral; `masking = "paper"` is G = sum of w_j G_j with separable
-    Smith for GGX and the V-cavity of Cook and Torrance 1982 for Beckmann.
+    - fresnel: Schlick's from F0, or the `exact` equations from eta and k.
+    - kd: diffuse light is (1 - F(h·wi)) albedo / pi under the integral, or what an `interface`
+      over a coloured layer gives back, each way through it paid for.
+    - masking: the `paper`'s is G = sum of w_j G_j with separable Smith for GGX and the V-cavity of
+      Cook and Torrance 1982 for Beckmann; `smith` is separable with 1 / G1 = sum of w_j / G1_j,
+      Smith's own rule for a mixture of facets (Heitz 2014, eq. 14, is linear in D).
     """
 
-    fresnel: Literal["schlick"] = "schlick"
-    kd: Literal["one-minus-fresnel"] = "one-minus-fresnel"
-    masking: Literal["paper"] = "paper"
+    fresnel: Literal["schlick", "exact"] = "schlick"
+    kd: Literal["one-minus-fresnel", "interface"] = "one-minus-fresnel"
+    masking: Literal["paper", "smith"] = "paper"
     multiscatter: Literal["off"] = "off"
+
+    @model_validator(mode="after")
+    def _an_interface_is_exact(self) -> Model:
+        if self.kd == "interface" and self.fresnel != "exact":
+            problem = "kd = 'interface' lets light through by the exact Fresnel equations"
+            raise ValueError(f"{problem}; add fresnel = 'exact'")
+        return self
+
+
+PAPER = Model()
+PHYSICAL = Model(fresnel="exact", kd="interface", masking="smith")
+
+
+def model_steps(model: Model) -> list[Model]:
+    """From a model to PHYSICAL, one field a step: Fresnel, then kd, then masking.
+
+    Each differs from the one before (the first from `model`) in one field; fields that are
+    physical already make no step, so PHYSICAL has none.
+    """
+    steps = []
+    for field in ("fresnel", "kd", "masking"):
+        physical = getattr(PHYSICAL, field)
+        if getattr(model, field) != physical:
+            # Rebuilt, not copied: every step is validated.
+            model = Model(**model.model_dump() | {field: physical})
+            steps.append(model)
+    return steps
 
 
 class Camera(Strict):
