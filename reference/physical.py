@@ -16,7 +16,7 @@ import numpy as np
 
 from reference.variant import mitsuba
 from scenes.errors import InputError
-from scenes.schema import Material, Object
+from scenes.schema import Material, Object, Optics
 
 mi = mitsuba()
 
@@ -30,21 +30,44 @@ def physical_bsdf(obj: Object) -> tuple[dict, list[str]]:
     Raises:
         InputError: a metal is given by its F0 alone, so eta and k are unknown.
     """
-    material, notes = obj.material, []
-    if material.metallic > 0 and (material.metal is None or material.metal.eta is None):
-        problem = "a metal given as bare F0 has no eta and k, which the truth 'physical' needs"
-        raise InputError(f"object '{obj.name}'", "material.metal", problem, "name a metal")
+    material = obj.material
+    if material.metallic > 0:
+        named_metal(obj)
     patches = {}
     for distribution in DISTRIBUTIONS:
         if material.weight == 1 - DISTRIBUTIONS[distribution]:
             continue  # the mixture has none of it
         metal = _metal(material, distribution) if material.metallic > 0 else None
-        plastic = None
-        if material.metallic < 1:
-            plastic, remarks = _plastic(material, distribution)
-            notes += [f"{obj.name}: {remark}" for remark in remarks if remark not in notes]
-        patches[distribution] = blend(plastic, metal, material.metallic)
-    return blend(patches.get("beckmann"), patches.get("ggx"), material.weight), notes
+        layered = plastic(material, distribution) if material.metallic < 1 else None
+        patches[distribution] = blend(layered, metal, material.metallic)
+    return blend(patches.get("beckmann"), patches.get("ggx"), material.weight), eta_notes(obj)
+
+
+def named_metal(obj: Object) -> Optics:
+    """The object's metal with its eta and k.
+
+    Raises:
+        InputError: it is given by its F0 alone.
+    """
+    metal = obj.material.metal
+    if metal is None or metal.eta is None:
+        problem = "a metal given as bare F0 has no eta and k, which exact Fresnel needs"
+        raise InputError(f"object '{obj.name}'", "material.metal", problem, "name a metal")
+    return metal
+
+
+def one_eta(material: Material) -> float:
+    """The dielectric's eta as the one number that `roughplastic` takes."""
+    return float(np.mean(material.f0.eta))
+
+
+def eta_notes(obj: Object) -> list[str]:
+    """A note if `one_eta` changes what the object reflects."""
+    f0 = ((one_eta(obj.material) - 1) / (one_eta(obj.material) + 1)) ** 2
+    gap = max(abs(f0 - f) for f in obj.material.f0.f0)
+    if obj.material.metallic == 1 or gap <= NOTABLE:
+        return []
+    return [f"{obj.name}: F0 is {f0:.4f} in every channel, off by up to {gap:.4f}"]
 
 
 def blend(first: dict | None, second: dict | None, weight: float) -> dict:
@@ -67,14 +90,11 @@ def _metal(material: Material, distribution: str) -> dict:
     }
 
 
-def _plastic(material: Material, distribution: str) -> tuple[dict, list[str]]:
-    eta = float(np.mean(material.f0.eta))
-    f0 = ((eta - 1) / (eta + 1)) ** 2
-    notes = []
-    if (gap := max(abs(f0 - f) for f in material.f0.f0)) > NOTABLE:
-        notes.append(f"F0 is {f0:.4f} in every channel, off by up to {gap:.4f}")
+def plastic(material: Material, distribution: str) -> dict:
+    """`roughplastic` of one NDF whose albedo, seen from outside, is the material's."""
+    eta = one_eta(material)
     reflectance = solve_reflectance(eta, material.alpha, distribution, material.albedo)
-    return _rough_plastic(eta, material.alpha, distribution, reflectance), notes
+    return _rough_plastic(eta, material.alpha, distribution, reflectance)
 
 
 def _rough_plastic(eta: float, alpha: float, distribution: str, reflectance) -> dict:

@@ -3,10 +3,12 @@
 import numpy as np
 
 from reference.variant import mitsuba
-from scenes.schema import Material
+from scenes.schema import PAPER, Material, Model, Object
 
 
-def brdf_values(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def brdf_values(
+    material: Material, wi: np.ndarray, wo: np.ndarray, model: Model = PAPER
+) -> np.ndarray:
     """f(wi, wo) without the cosine, (n, 3), for unit directions (n, 3) in the frame n = +z."""
     mi = mitsuba()
     import drjit as dr
@@ -16,5 +18,6 @@ def brdf_values(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarra
     si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
     si.wi = mi.Vector3f(np.ascontiguousarray(wi.T))
     light = mi.Vector3f(np.ascontiguousarray(wo.T))
-    value = mi.load_dict(model_bsdf(material)).eval(mi.BSDFContext(), si, light)
+    bsdf, _ = model_bsdf(Object(name="surface", mesh="sphere", material=material), model)
+    value = mi.load_dict(bsdf).eval(mi.BSDFContext(), si, light)
     return (value / light.z).numpy().T

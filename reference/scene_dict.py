@@ -4,23 +4,23 @@ import drjit as dr
 import numpy as np
 
 import reference.mixture  # noqa: F401  registers the plugin `mixture`
-from reference.physical import physical_bsdf
+from reference.physical import eta_notes, named_metal, one_eta, physical_bsdf, plastic
 from reference.variant import mitsuba
 from scenes.environment import load_environment
 from scenes.mesh import Mesh, world_mesh
-from scenes.schema import Camera, Case, Environment, Material
+from scenes.schema import Camera, Case, Environment, Model, Object
 
 mi = mitsuba()
 
 
 def build_scene(case: Case, physical: bool = False) -> tuple[mi.Scene, list[str]]:
-    """The case as a scene, and what to know about its materials (empty unless `physical`).
+    """The case as a scene, and what could not be matched in its materials.
 
     Args:
         physical: Mitsuba's own plugins for the materials instead of the case's model.
 
     Raises:
-        InputError: a mesh, an environment or (for `physical`) a material cannot be used.
+        InputError: a mesh, an environment or a material cannot be used.
     """
     notes: list[str] = []
     placed = [world_mesh(obj) for obj in case.objects]
@@ -32,9 +32,9 @@ def build_scene(case: Case, physical: bool = False) -> tuple[mi.Scene, list[str]
     for number, obj in enumerate(case.objects):
         if physical:
             bsdf, remarks = physical_bsdf(obj)
-            notes += remarks
         else:
-            bsdf = model_bsdf(obj.material)
+            bsdf, remarks = model_bsdf(obj, case.model)
+        notes += remarks
         scene[shape_id(number)] = mesh(placed[number], bsdf, shape_id(number))
     # Without `optimize`, shapes stay as they are, one per object, and can be told apart.
     return mi.load_dict(scene, optimize=False), notes
@@ -45,16 +45,33 @@ def shape_id(number: int) -> str:
     return f"object_{number:03}"
 
 
-def model_bsdf(material: Material) -> dict:
-    """The material under the case's model (there is one model: the paper's)."""
-    return {
+def model_bsdf(obj: Object, model: Model) -> tuple[dict, list[str]]:
+    """The object's material under the case's model, with notes on what could not be matched.
+
+    Raises:
+        InputError: the model needs eta and k of a metal that is given by its F0 alone.
+    """
+    material = obj.material
+    bsdf = {
         "type": "mixture",
+        **model.model_dump(include={"fresnel", "kd", "masking"}),
         "albedo": list(material.diffuse_albedo),
-        "f0": list(material.specular_f0),
         "alpha": material.alpha,
         "weight": material.weight,
         "weight_g": material.masking_weight,
     }
+    if model.fresnel == "schlick":
+        return bsdf | {"f0": list(material.specular_f0)}, []
+    bsdf["metallic"] = material.metallic
+    if material.metallic > 0:
+        metal = named_metal(obj)
+        bsdf |= {"metal_eta": list(metal.eta), "metal_k": list(metal.k)}
+    if material.metallic < 1:
+        bsdf["eta"] = one_eta(material)
+    if model.kd == "interface" and max(material.diffuse_albedo) > 0:
+        used = {"ggx": material.weight > 0, "beckmann": material.weight < 1}
+        bsdf |= {f"layer_{name}": plastic(material, name) for name in used if used[name]}
+    return bsdf, eta_notes(obj)
 
 
 def mesh(source: Mesh, bsdf: dict, name: str) -> mi.Mesh:

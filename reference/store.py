@@ -18,7 +18,7 @@ import numpy as np
 from reference.settings import PATH, SAMPLER, rounded_samples
 from scenes.errors import InputError
 from scenes.frame import Frame, load_frame, save_frame, write_text
-from scenes.schema import PRIMITIVES, Case, Material, Object, file_digest
+from scenes.schema import PRIMITIVES, Case, Material, Model, Object, file_digest
 from scenes.suite import Sampling, Truth
 
 HERE = Path(__file__).resolve().parent
@@ -131,7 +131,7 @@ def contents(case: Case, truth: Truth, sampling: Sampling) -> dict[str, Any]:
             "sha256": file_digest(case.environment.path),
             "rotation": case.environment.rotation,
         },
-        "objects": [_object(o, truth) for o in case.objects],
+        "objects": [_object(o, truth, case.model) for o in case.objects],
         "integrator": PATH if truth != "unoccluded" else None,
         "sampler": SAMPLER,
         "samples_per_batch": rounded_samples(sampling.samples_per_batch),
@@ -143,29 +143,24 @@ def contents(case: Case, truth: Truth, sampling: Sampling) -> dict[str, Any]:
     }
 
 
-def _object(obj: Object, truth: Truth) -> dict[str, Any]:
+def _object(obj: Object, truth: Truth, model: Model) -> dict[str, Any]:
     return {
         "mesh": obj.mesh if obj.mesh in PRIMITIVES else file_digest(Path(obj.mesh)),
         "placement": obj.model_dump(include={"position", "rotate", "scale", "height"}),
-        "material": _optics(obj.material, truth),
+        "material": _optics(obj.material, truth, model),
     }
 
 
-def _optics(material: Material, truth: Truth) -> dict[str, Any]:
+def _optics(material: Material, truth: Truth, model: Model) -> dict[str, Any]:
     """The numbers that the truth's BSDF is made of."""
-    if truth == "physical":
-        return {
+    surface = {"alpha": material.alpha, "weight": material.weight}
+    if truth != "physical":
+        surface["weight_g"] = material.masking_weight
+    if truth == "physical" or model.fresnel == "exact":
+        return surface | {
             "albedo": material.albedo,
-            "alpha": material.alpha,
             "metallic": material.metallic,
             "eta": material.f0.eta,
             "metal": (material.metal.eta, material.metal.k) if material.metal else None,
-            "weight": material.weight,
         }
-    return {
-        "albedo": material.diffuse_albedo,
-        "f0": material.specular_f0,
-        "alpha": material.alpha,
-        "weight": material.weight,
-        "weight_g": material.masking_weight,
-    }
+    return surface | {"albedo": material.diffuse_albedo, "f0": material.specular_f0}

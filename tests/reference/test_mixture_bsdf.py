@@ -14,18 +14,19 @@ ALBEDO, F0 = [0.6, 0.3, 0.1], [0.04, 0.2, 0.9]
 SMOOTH_AND_ROUGH = (0.01, 0.09, 0.49, 1.0)
 
 
-def mixture(alpha, weight, weight_g=None, albedo=ALBEDO, f0=F0):
+def mixture(alpha, weight, weight_g=None, albedo=ALBEDO, f0=F0, masking="paper"):
     weight_g = weight if weight_g is None else weight_g
     parameters = {"albedo": albedo, "f0": f0, "alpha": alpha, "weight": weight}
-    return mi.load_dict({"type": "mixture", "weight_g": weight_g, **parameters})
+    model = {"fresnel": "schlick", "kd": "one-minus-fresnel", "masking": masking}
+    return mi.load_dict({"type": "mixture", "weight_g": weight_g, **model, **parameters})
 
 
-def evaluate(bsdf, wi, wo):
+def evaluate(bsdf, wi, wo, context=None):
     """f cos(theta_o), (n, 3)."""
     si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
     si.wi = mi.Vector3f(wi.T.astype(np.float32))
     wo = mi.Vector3f(wo.T.astype(np.float32))
-    return np.array(bsdf.eval(mi.BSDFContext(), si, wo)).T.astype(float)
+    return np.array(bsdf.eval(context or mi.BSDFContext(), si, wo)).T.astype(float)
 
 
 def directions(alpha, count=20_000):
