@@ -157,6 +157,15 @@ def stability() -> None:
     raise typer.Exit(0 if all(a.passed for a in found) else 1)
 
 
+@app.command()
+def furnace() -> None:
+    """Test the paper's claim that its mixture keeps energy, with both maskings."""
+    from reports.furnace import energy_claim
+    from reports.terminal import print_energy_claim
+
+    print_energy_claim(energy_claim(), console)
+
+
 def _job(
     suite: str, out: Path, store: Path, filter: str, candidate: str = "", timeout: float = 600
 ):

@@ -5,6 +5,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from reports.furnace import MASKINGS, Departure, EnergyClaim, Quantity
 from reports.gate import worst_first
 from reports.results import Results, Row
 
@@ -102,3 +103,32 @@ def _cell(row: Row) -> Text:
     """Local energy error, energy error and SSIM, or why there are none."""
     figures = f"{row.energy_local:.1%} {row.energy_error:+.1%} {row.ssim:.3f}"
     return Text(row.problem or figures, style=STYLE[row.verdict])
+
+
+FURNACES: dict[Quantity, str] = {
+    "weak": "weak furnace (1 is right)",
+    "albedo": "furnace albedo, F = 1 (at most 1)",
+    "surface": "white surface, F0 .04, kd 1 - F(h.wi) (at most 1)",
+    "shortcut": "white surface, F0 .04, kd 1 - F(n.v) (at most 1)",
+}
+
+
+def print_energy_claim(claim: EnergyClaim, console: Console) -> None:
+    """The least and most of each furnace, with where they are found."""
+    table = Table(box=box.SIMPLE_HEAD, title="Light sent back, of light that comes alike from all")
+    for heading in ("furnace", "masking"):
+        table.add_column(heading)
+    for heading in ("least", "most"):
+        table.add_column(f"{heading}: roughness, angle, GGX weight", justify="right")
+    for quantity, name in FURNACES.items():
+        for masking in MASKINGS:
+            found = claim.least(quantity, masking), claim.most(quantity, masking)
+            table.add_row(name, masking, *map(_departure, found))
+    console.print(table)
+    low, high = claim.widths_apart
+    console.print(f"paper, weights of D and G apart, worst: {_departure(claim.weights_apart)}")
+    console.print(f"paper, roughness of the lobes apart, weak furnace: {low:.4f} to {high:.4f}")
+
+
+def _departure(found: Departure) -> str:
+    return f"{found.figure:.4f}: {found.roughness:g}, {found.angle:g}°, {found.weight:g}"

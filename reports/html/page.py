@@ -7,6 +7,7 @@ from pathlib import Path
 from reports.gate import worst_first
 from reports.html import columns, verdict
 from reports.html.colour import SIGNED, SIMILARITY, Scale
+from reports.html.energy_claim import ClaimView, energy_claim_view
 from reports.html.figures import METRICS, decisive, seconds, slug
 from reports.html.frames import CaseFrames
 from reports.html.images import Picture, case_pictures, close_ups
@@ -100,6 +101,7 @@ class Page:
     provenance: str
     seconds: str
     budgets: list[list[str]]
+    energy_claim: ClaimView
 
 
 def page_of(results: Results, folder: Path) -> Page:
@@ -139,6 +141,7 @@ def page_of(results: Results, folder: Path) -> Page:
             ]
             for b in results.budgets
         ],
+        energy_claim=energy_claim_view(),
     )
 
 
