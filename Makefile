@@ -6,6 +6,7 @@ OUT    ?= reports/out
 FILTER ?=
 ARGS   ?=
 PYTHON ?= python3
+PYTHON311 ?= python3.11
 NO_APT ?=
 
 BIN := .venv/bin
@@ -13,13 +14,14 @@ RUN := --suite '$(SUITE)' --out '$(OUT)' $(if $(FILTER),--filter '$(FILTER)') $(
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help compare gate report references bench stability test test-long lint clean FORCE
+.PHONY: help compare gate report references bench stability crosscheck test test-long lint clean FORCE
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-11s %s\n", $$1, $$2 }' Makefile
 	@echo
 	@echo "Variables: SUITE=$(SUITE) OUT=$(OUT) FILTER=$(FILTER) ARGS=$(ARGS)"
 	@echo "           PYTHON=$(PYTHON) NO_APT=$(NO_APT) (1: install no system packages)"
+	@echo "           PYTHON311=$(PYTHON311) (for crosscheck, which takes no other version)"
 
 compare: .venv/.stamp ## render a suite with both renderers and report how far apart they are
 	@$(BIN)/shadeproof compare $(RUN)
@@ -39,6 +41,11 @@ bench: .venv/.stamp ## time every technique beside one path-traced sample per pi
 stability: .venv/.stamp ## hold the shaders against double precision and Mitsuba, per direction
 	@$(BIN)/shadeproof stability $(ARGS)
 
+crosscheck: .venv/.stamp .venv-crosscheck/.stamp ## hold the truths against Blender's Cycles
+	@$(BIN)/shadeproof compare --suite crosscheck --out '$(OUT)' \
+		$(if $(FILTER),--filter '$(FILTER)') $(ARGS) --candidate \
+		'$(BIN)/python -m reports.crosscheck .venv-crosscheck/bin/python {case} {out}'
+
 test: .venv/.stamp ## check style and imports, and run the short tests
 	@$(BIN)/ruff check --quiet
 	@$(BIN)/lint-imports --no-cache >.venv/imports.log || { cat .venv/imports.log; exit 1; }
@@ -53,7 +60,7 @@ lint: .venv/.stamp ## check style, format and imports
 	@$(BIN)/lint-imports --no-cache
 
 clean: ## remove .venv, caches and reports/out; the rendered references stay
-	@rm -rf .venv .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	@rm -rf .venv .venv-crosscheck .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
 	@rm -rf build dist shadeproof.egg-info reports/out
 	@find scenes renderer reference reports tests -name __pycache__ -prune -exec rm -rf {} +
 
@@ -73,4 +80,13 @@ SOUND := $(shell $(BIN)/python -c 'import pip' 2>/dev/null && \
 .venv/.stamp: .venv/.pinned pyproject.toml
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--no-deps --no-build-isolation -e .
+	@touch $@
+
+# Blender comes as the package bpy, for one version of Python and with an older numpy: apart.
+.venv-crosscheck/.stamp: requirements/crosscheck.txt requirements/system.sh
+	@PYTHON='$(PYTHON311)' NO_APT='$(NO_APT)' requirements/system.sh blender
+	@echo "shadeproof: installing Blender into .venv-crosscheck (1 GB, some minutes)"
+	@$(PYTHON311) -m venv --clear .venv-crosscheck
+	@.venv-crosscheck/bin/python -m pip install --quiet --disable-pip-version-check \
+		--require-hashes -r requirements/crosscheck.txt
 	@touch $@

@@ -4,6 +4,9 @@
 # Says nothing when all is there. What is missing is installed with apt-get, by root or with
 # a sudo that asks no password; otherwise one line says what to type.
 #
+# With the argument `blender`: what the package bpy takes instead, which is Python 3.11 and
+# libraries of the X window system (it opens no window).
+#
 # From the environment:
 #   PYTHON              the interpreter to use (default python3)
 #   NO_APT=1            install nothing, only say what to type
@@ -12,6 +15,7 @@
 set -euo pipefail
 
 python=${PYTHON:-python3}
+purpose=${1:-}
 
 fail() {
     echo "shadeproof: $*" >&2
@@ -80,7 +84,31 @@ has_compiler() {
             -I"$("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')" 2>/dev/null
 }
 
+has_x() {
+    "$python" - 2>/dev/null <<'PY'
+from ctypes import CDLL
+
+for name in ("X11.so.6", "Xrender.so.1", "Xfixes.so.3", "Xi.so.6", "xkbcommon.so.0", "SM.so.6",
+             "ICE.so.6", "GL.so.1"):
+    CDLL(f"lib{name}")
+PY
+}
+
+find_missing_for_blender() {
+    missing=()
+    if [ "$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>&1)" != 3.11 ]; then
+        fail "Blender's package bpy takes Python 3.11, and $python is none: install it" \
+            "(uv python install 3.11) and say make crosscheck PYTHON311=path/to/python3.11"
+    fi
+    has_venv || missing+=(python3.11-venv)
+    has_x || missing+=(libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1)
+}
+
 find_missing() { # sets `missing` to the Debian packages that would mend what is missing
+    if [ "$purpose" = blender ]; then
+        find_missing_for_blender
+        return
+    fi
     missing=()
     if command -v "$python" >/dev/null; then
         version=$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
@@ -125,10 +153,12 @@ apt() { # quiet, unless it fails
 find_missing
 [ ${#missing[@]} = 0 ] && exit
 
-if [ -n "${DRJIT_LIBLLVM_PATH:-}" ] && ! has_llvm; then
+if [ "$purpose" != blender ] && [ -n "${DRJIT_LIBLLVM_PATH:-}" ] && ! has_llvm; then
     fail "DRJIT_LIBLLVM_PATH=$DRJIT_LIBLLVM_PATH is no LLVM 19 or newer: correct or unset it"
 fi
 if ! command -v apt-get >/dev/null; then
+    [ "$purpose" != blender ] || fail "Blender needs the libraries X11, Xrender, Xfixes, Xi," \
+        "xkbcommon, SM, ICE and GL, and there is no apt-get to install them with"
     fail "something is missing, and there is no apt-get to install it with; it takes Python's" \
         "venv and ensurepip, libGL.so.1 and libEGL.so.1 with Mesa's driver, libatomic.so.1," \
         "and libLLVM 19 or newer"
