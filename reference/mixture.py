@@ -25,8 +25,10 @@ and f = 0 unless n.wi > 0 and n.wo > 0. The model chooses
 
     F  schlick            f0 + (1 - f0) (1 - h.wi)^5      Schlick 1994, eq. 15
        exact              metallic F_conductor + (1 - metallic) F_dielectric
-    G  paper              weight_g G1(wi) G1(wo) + (1 - weight_g) min(1, 2 n.h min(n.wi, n.wo) / wo.h)
-                          Walter et al. 2007, eq. 34; Cook and Torrance 1982, eq. 5
+    G  paper              weight_g G1(wi) G1(wo) + (1 - weight_g) G_cavity
+                          G1 of GGX: Walter et al. 2007, eq. 34
+                          G_cavity = min(1, 2 n.h min(n.wi, n.wo) / wo.h)
+                          Cook and Torrance 1982, eq. 5
        smith              G1(wi) G1(wo), 1 / G1 = weight_g / G1_ggx + (1 - weight_g) / G1_beckmann:
                           n.w / G1(w) is the projected area of the facets (Heitz 2014, eq. 14),
                           which is linear in D; G1_beckmann with its erf (eq. 68)
