@@ -10,16 +10,17 @@ import moderngl
 import numpy as np
 
 from renderer.context import context, device
-from renderer.features import Technique, lobes, split_samples
+from renderer.features import Technique, features, split_samples
 from renderer.geometry import buffers
 from renderer.precompute import Maps, precomputed
+from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.prefilter import LEVELS
 from renderer.program import bind_maps, fill, program, set_uniforms
 from renderer.targets import Target, make_target, release
 from renderer.view import View, inside, view
 from scenes.frame import Frame
 from scenes.mesh import load_mesh, placement
-from scenes.schema import Case, Object
+from scenes.schema import Case, Model, Object
 
 REPEATS = 5
 TIMING_SECONDS = 1.0  # slow techniques are timed over fewer frames
@@ -32,6 +33,7 @@ class Draw:
     vertices: moderngl.VertexArray
     shader: moderngl.Program
     uniforms: dict[str, Any]
+    maps: Maps
     culled: bool
 
 
@@ -58,10 +60,18 @@ class Renderer:
         `seconds` is the median of `repeats` warm frames (fewer if they are slow), from the first
         GL call to the end of glFinish, without read-back. Compilation, upload and precomputation
         stand apart in `provenance`.
+
+        Raises:
+            ValueError: the technique cannot draw the case's model.
         """
+        if what := self.technique.cannot_draw(case.model):
+            raise ValueError(f"'{self.technique.name}' cannot draw {what}")
         environment = precomputed(case.environment.path)
-        read = {m for o in case.objects for m in self.technique.maps(o.material)}
+        read = {m for o in case.objects for m in self.technique.maps(o.material, case.model)}
         environment.need(sorted(read))
+        tables = set()
+        if self.technique.own_table(case.model):
+            tables = {smith_table(o.material) for o in case.objects}
         start = perf_counter()
         prepared = self.prepare(case, environment.maps)
         draw_frame(prepared)
@@ -77,7 +87,7 @@ class Renderer:
             "renderer": "shadeproof",
             "technique": self.technique.name,
             "device": device().name,
-            "precomputation_seconds": environment.cost(read),
+            "precomputation_seconds": environment.cost(read) + sum(t.seconds for t in tables),
             "preparation_seconds": preparation,
             "frame_seconds": times,
         }
@@ -87,7 +97,7 @@ class Renderer:
     def prepare(self, case: Case, maps: Maps) -> Prepared:
         """Compile (or find) the shaders, gather the uniforms and make the target."""
         camera, turn = view(case), case.environment.rotation / 360
-        draws = [self._draw(o, camera, turn) for o in case.objects]
+        draws = [self._draw(o, case.model, camera, turn, maps) for o in case.objects]
         background = program("fullscreen.vert", "background.frag")
         rays = {
             "forward": camera.forward,
@@ -100,9 +110,12 @@ class Renderer:
         target = make_target((case.width * scale, case.height * scale), self.technique.msaa)
         return Prepared(draws, background, rays, maps, target)
 
-    def _draw(self, obj: Object, camera: View, turn: float) -> Draw:
+    def _draw(self, obj: Object, model: Model, camera: View, turn: float, maps: Maps) -> Draw:
         material = obj.material
-        shader = program("mesh.vert", "mesh.frag", lobes(material), self.technique.shade)
+        defines = features(material, model)
+        shader = program("mesh.vert", "mesh.frag", defines, self.technique.shade)
+        if self.technique.own_table(model):
+            maps = maps | {"table_smith": smith_table(material).texture}
         uniforms = _placed(obj, camera) | {
             "albedo": material.diffuse_albedo,
             "f0": material.specular_f0,
@@ -114,7 +127,8 @@ class Renderer:
             "prefilter_levels": float(LEVELS),
             "environment_turn": turn,
         }
-        return Draw(vertex_array(obj.mesh, shader), shader, uniforms, _culled(obj, camera))
+        vertices = vertex_array(obj.mesh, shader)
+        return Draw(vertices, shader, uniforms, maps, _culled(obj, camera))
 
 
 def draw_frame(prepared: Prepared) -> None:
@@ -125,7 +139,7 @@ def draw_frame(prepared: Prepared) -> None:
     for draw in prepared.draws:
         gl.enable_only(moderngl.DEPTH_TEST | (moderngl.CULL_FACE if draw.culled else 0))
         set_uniforms(draw.shader, **draw.uniforms)
-        bind_maps(draw.shader, prepared.maps)
+        bind_maps(draw.shader, draw.maps)
         draw.vertices.render()
     if target.drawn is not target.resolved:
         gl.copy_framebuffer(target.resolved, target.drawn)

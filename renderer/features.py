@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from scenes.schema import Material
+from scenes.schema import PAPER, Material, Model
 
 
 @dataclass(frozen=True)
@@ -19,20 +19,30 @@ class Feature:
         name: as #defined in GLSL where the shader tests for it.
         needed: whether a material needs it.
         maps: the precomputed maps that it reads under the split sum.
+        tables: those of them that hold only under the paper's masking.
     """
 
     name: str
     needed: Callable[[Material], bool]
     maps: tuple[str, ...] = ()
+    tables: tuple[str, ...] = ()
 
 
 LOBES = (
-    Feature("D_GGX", lambda m: m.weight > 0, ("prefiltered_ggx", "table_ggx")),
-    Feature("D_BECKMANN", lambda m: m.weight < 1, ("prefiltered_beckmann", "table_beckmann")),
+    Feature("D_GGX", lambda m: m.weight > 0, ("prefiltered_ggx",), ("table_ggx",)),
+    Feature("D_BECKMANN", lambda m: m.weight < 1, ("prefiltered_beckmann",), ("table_beckmann",)),
     Feature("G_GGX", lambda m: m.masking_weight > 0),
     Feature("G_BECKMANN", lambda m: m.masking_weight < 1),
     Feature("DIFFUSE", lambda m: max(m.diffuse_albedo) > 0, ("irradiance_map",)),
 )
+
+# What the shaders can draw of a model. Truths cover all of it.
+DRAWN = {
+    "fresnel": ("schlick",),
+    "kd": ("one-minus-fresnel",),
+    "masking": ("paper", "smith"),
+    "multiscatter": ("off",),
+}
 
 
 @dataclass(frozen=True)
@@ -55,11 +65,22 @@ class Technique:
     supersample: int = 1
     filtered: bool = True
 
-    def maps(self, material: Material) -> tuple[str, ...]:
-        """The precomputed maps that this technique reads for a material."""
+    def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
+        """The precomputed maps that this technique reads for a material, shared by all weights."""
         if self.samples:
             return ()
-        return tuple(m for f in LOBES if f.needed(material) for m in f.maps)
+        read = [f for f in LOBES if f.needed(material)]
+        tables = () if self.own_table(model) else tuple(t for f in read for t in f.tables)
+        return tuple(m for f in read for m in f.maps) + tables
+
+    def own_table(self, model: Model) -> bool:
+        """Whether each material has a table of its own: `smith` is not linear in the weights."""
+        return not self.samples and model.masking == "smith"
+
+    def cannot_draw(self, model: Model) -> str:
+        """What of a model this technique cannot draw, in one line; empty if it can draw all."""
+        fields = [f for f, drawn in DRAWN.items() if getattr(model, f) not in drawn]
+        return ", ".join(f"{f} = '{getattr(model, f)}'" for f in fields)
 
 
 TECHNIQUES = {
@@ -83,9 +104,10 @@ def technique(name: str) -> Technique:
     raise ValueError(f"unknown technique '{name}'; known: {known}")
 
 
-def lobes(material: Material) -> frozenset[str]:
-    """The names of the features that a material needs."""
-    return frozenset(f.name for f in LOBES if f.needed(material))
+def features(material: Material, model: Model = PAPER) -> frozenset[str]:
+    """The names of the features that a material needs under a model."""
+    needed = frozenset(f.name for f in LOBES if f.needed(material))
+    return needed | ({"MASKING_SMITH"} if model.masking == "smith" else set())
 
 
 def split_samples(material: Material, samples: int) -> tuple[int, int, int]:

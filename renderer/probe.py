@@ -5,11 +5,11 @@ import math
 import numpy as np
 
 from renderer.context import context
-from renderer.features import lobes
+from renderer.features import features
 from renderer.glsl import source
 from renderer.program import fill, set_uniforms
 from renderer.targets import release
-from scenes.schema import Material
+from scenes.schema import PAPER, Material, Model
 
 WIDTH = 1024
 
@@ -69,13 +69,15 @@ def probe(
     return values
 
 
-def brdf_values(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def brdf_values(
+    material: Material, wi: np.ndarray, wo: np.ndarray, model: Model = PAPER
+) -> np.ndarray:
     """The renderer's f(wi, wo) without the cosine, (n, 3), for unit directions (n, 3), n = +z."""
     return probe(
         "vec4(brdf(wi.xyz, wo.xyz, Material(albedo, f0, alpha, weight_d, weight_g)), 0.0)",
         {"wi": wi, "wo": wo},
         ("brdf.glsl",),
-        lobes(material),
+        features(material, model),
         {
             "albedo": material.diffuse_albedo,
             "f0": material.specular_f0,

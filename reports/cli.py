@@ -150,8 +150,8 @@ def stability() -> None:
         mark = "[green]ok[/]  " if a.passed else "[red]off[/] "
         place = ", ".join(f"{x:.7g}" for x in (*a.wi, *a.wo))
         console.print(
-            f"{mark} alpha {a.alpha:<5g} GGX share {a.weight:<5g} beside {a.beside:16} "
-            f"worst {a.worst:.1e} at wi, wo = {place}",
+            f"{mark} masking {a.masking} alpha {a.alpha:<5g} GGX share {a.weight:<5g} "
+            f"beside {a.beside:16} worst {a.worst:.1e} at wi, wo = {place}",
             soft_wrap=True,
         )
     raise typer.Exit(0 if all(a.passed for a in found) else 1)

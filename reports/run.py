@@ -29,12 +29,12 @@ from reports.progress import Reporter, reporting
 from reports.results import CaseRecord, Missing, Results, Row
 from reports.rows import judged_rows
 from reports.speed import Timing
-from reports.stability import Agreement, agreement, directions, materials, oracle
+from reports.stability import MASKINGS, Agreement, agreement, directions, materials, oracle
 from scenes.environment import load_environment
 from scenes.errors import InputError
 from scenes.frame import Frame, save_frame
 from scenes.mesh import placement
-from scenes.schema import Case, Material
+from scenes.schema import Case, Material, Model
 from scenes.suite import Entry, Suite, expand, load_suite
 
 OUTSIDE = "candidate"  # the technique under which an outside candidate's rows stand
@@ -71,6 +71,9 @@ class Job:
                 technique(name)
             except ValueError as error:
                 raise InputError(path, "techniques", str(error), "use a known technique") from error
+            if not self.outside and (what := technique(name).cannot_draw(suite.model)):
+                problem = f"'{name}' cannot draw {what}"
+                raise InputError(path, "model", problem, "leave it out, or give a --candidate")
         for entry in entries:
             load_environment(entry.case.environment.path)
             for obj in entry.case.objects:
@@ -119,8 +122,8 @@ def run(job: Job) -> Results:
             cases.append(record)
             rows += made
     if not job.outside:
-        surfaces = {o.material for e in job.entries for o in e.case.judged}
-        checks.shaders += [_beside_oracle(m) for m in surfaces]
+        surfaces = {(o.material, e.case.model) for e in job.entries for o in e.case.judged}
+        checks.shaders += [_beside_oracle(*s) for s in surfaces]
     results = Results(
         suite=job.path.stem,
         suite_path=str(job.path),
@@ -193,10 +196,14 @@ def _run_entry(
 
 
 def _check_physical(entry: Entry, material: Material, path: Path) -> None:
-    """Refuse `physical` for a metal of unknown eta and k, before anything is drawn."""
-    if "physical" in entry.truths and material.metallic > 0 and material.metal.eta is None:
-        problem = f"'{material.name}' gives its metal as F0 alone, without eta and k"
+    """Refuse exact Fresnel for a metal of unknown eta and k, before anything is drawn."""
+    if material.metallic == 0 or material.metal.eta is not None:
+        return
+    problem = f"'{material.name}' gives its metal as F0 alone, without eta and k"
+    if "physical" in entry.truths:
         raise InputError(path, "truths: physical", problem, "name a metal, or leave `physical` out")
+    if entry.case.model.fresnel == "exact":
+        raise InputError(path, "model.fresnel", problem, "name a metal, or use 'schlick'")
 
 
 def _check_visible(case: Case, path: Path) -> None:
@@ -330,22 +337,25 @@ def bench(job: Job) -> list[Timing]:
     return timings
 
 
-def _beside_oracle(material: Material) -> Agreement:
+def _beside_oracle(material: Material, model: Model) -> Agreement:
     """The GLSL BRDF of a material beside double precision."""
     wi, wo = directions(material.alpha)
-    ours = probe.brdf_values(material, wi, wo)
-    return agreement(material, "double precision", ours, oracle(material, wi, wo), wi, wo)
+    ours = probe.brdf_values(material, wi, wo, model)
+    theirs = oracle(material, wi, wo, model.masking)
+    return agreement(material, model.masking, "double precision", ours, theirs, wi, wo)
 
 
 def stability() -> list[Agreement]:
-    """The GLSL BRDF beside double precision and beside Mitsuba, over alphas and weights."""
-    found, surfaces = [], materials()
+    """The GLSL BRDF beside double precision and Mitsuba, over maskings, alphas and weights."""
+    found = []
+    surfaces = [(Model(masking=masking), m) for masking in MASKINGS for m in materials()]
     with reporting(len(surfaces)) as report:
-        for material in surfaces:
-            report.step(f"alpha {material.alpha:g}, GGX share {material.weight:g}")
+        for model, material in surfaces:
+            share = f"GGX share {material.weight:g}"
+            report.step(f"masking {model.masking}, alpha {material.alpha:g}, {share}")
             wi, wo = directions(material.alpha)
-            ours = probe.brdf_values(material, wi, wo)
-            theirs = reference_probe.brdf_values(material, wi, wo)
-            found.append(_beside_oracle(material))
-            found.append(agreement(material, "Mitsuba", ours, theirs, wi, wo))
+            ours = probe.brdf_values(material, wi, wo, model)
+            theirs = reference_probe.brdf_values(material, wi, wo, model)
+            found.append(_beside_oracle(material, model))
+            found.append(agreement(material, model.masking, "Mitsuba", ours, theirs, wi, wo))
     return found

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import erf
 
 from scenes.schema import Material
 
@@ -10,6 +11,7 @@ TOLERANCE = 1e-4  # of max(|f|, 1e-4 of the lobe's peak)
 FLOOR = 1e-4
 ALPHAS = (0.01, 0.05, 0.16, 0.49, 1.0)
 WEIGHTS = (0.0, 0.25, 0.5, 1.0)
+MASKINGS = ("paper", "smith")
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,7 @@ class Agreement:
 
     alpha: float
     weight: float
+    masking: str
     beside: str
     worst: float
     wi: tuple[float, float, float]
@@ -76,10 +79,13 @@ def _direction(cosine: np.ndarray, azimuth: np.ndarray) -> np.ndarray:
     return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine], axis=1)
 
 
-def oracle(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def oracle(
+    material: Material, wi: np.ndarray, wo: np.ndarray, masking: str = "paper"
+) -> np.ndarray:
     """The model in double precision, f without the cosine, (n, 3): the definition itself.
 
-    Cook and Torrance 1982; D and G1 of Walter et al. 2007, eq. 25, 33, 34; Schlick 1994.
+    Cook and Torrance 1982; D and G1 of Walter et al. 2007, eq. 25, 33, 34; Schlick 1994; for the
+    masking `smith` Heitz 2014, eq. 68 and 72.
     """
     wi, wo, alpha = wi.astype(float), wo.astype(float), material.alpha
     h = wi + wo
@@ -92,19 +98,32 @@ def oracle(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     ggx = 1 / (np.pi * alpha**2 * cos_h**4 * (1 + tan2 / alpha**2) ** 2)
     beckmann = np.exp(-tan2 / alpha**2) / (np.pi * alpha**2 * cos_h**4)
 
-    def smith(cosine: np.ndarray) -> np.ndarray:
-        return 2 / (1 + np.sqrt(1 + alpha**2 * (1 - cosine**2) / cosine**2))
-
-    cavity = np.minimum(1, 2 * cos_h * np.minimum(cos_i, cos_o) / wi_h)
     w, v = material.weight, material.masking_weight
-    D, G = w * ggx + (1 - w) * beckmann, v * smith(cos_i) * smith(cos_o) + (1 - v) * cavity
+    D = w * ggx + (1 - w) * beckmann
+    if masking == "smith":
+        G = 1 / (1 + Lambda(wi, alpha, v)) / (1 + Lambda(wo, alpha, v))
+    else:
+        smith = 1 / (1 + Lambda(wi, alpha, 1)) / (1 + Lambda(wo, alpha, 1))
+        G = v * smith + (1 - v) * np.minimum(1, 2 * cos_h * np.minimum(cos_i, cos_o) / wi_h)
     f0, albedo = np.array(material.specular_f0), np.array(material.diffuse_albedo)
     F = f0 + (1 - f0) * ((1 - wi_h) ** 5)[:, None]
     return (1 - F) * albedo / np.pi + F * (D * G / (4 * cos_i * cos_o))[:, None]
 
 
+def Lambda(w: np.ndarray, alpha: float, share: float) -> np.ndarray:
+    """Smith's Lambda of GGX (by its share) and Beckmann mixed, (n,); 1 / G1 = 1 + Lambda.
+
+    Heitz 2014, eq. 72 and 68; eq. 14 is linear in D, and so is Lambda.
+    """
+    a = w[:, 2] / (alpha * np.maximum(np.hypot(w[:, 0], w[:, 1]), 1e-300))
+    ggx = (np.sqrt(1 + a**-2) - 1) / 2
+    beckmann = (erf(a) - 1) / 2 + np.exp(-(a**2)) / (2 * a * np.sqrt(np.pi))
+    return share * ggx + (1 - share) * beckmann
+
+
 def agreement(
     material: Material,
+    masking: str,
     beside: str,
     ours: np.ndarray,
     theirs: np.ndarray,
@@ -118,6 +137,7 @@ def agreement(
     return Agreement(
         material.alpha,
         material.weight,
+        masking,
         beside,
         float(off[at]),
         tuple(wi[at].tolist()),

@@ -9,9 +9,11 @@ uniform sampler2D prefiltered_ggx;      // rgb: sum of L n.l D/p, a: sum of n.l 
 uniform sampler2D prefiltered_beckmann; // the same, over the same GGX samples
 uniform sampler2D table_ggx;            // scale and bias for D_ggx with G_smith, with G_vcavity
 uniform sampler2D table_beckmann;       // the same for D_beckmann
+uniform sampler2D table_smith;          // scale and bias of this material under masking `smith`
 uniform float prefilter_levels;
 
-// Every quantity is linear in the weights, so one precomputation serves all of them.
+// Every quantity is linear in the weights, so one precomputation serves all of them; only the
+// masking `smith` is not, and has a table for each material.
 vec3 prefiltered(vec3 r, Material m) {
     vec2 uv = latlong_from_direction(r, environment_turn);
     float lod = sqrt(m.alpha) * (prefilter_levels - 1.0);
@@ -26,6 +28,9 @@ vec3 prefiltered(vec3 r, Material m) {
 }
 
 vec2 scale_bias(float cos_theta, Material m) {
+#ifdef MASKING_SMITH
+    return textureLod(table_smith, vec2(cos_theta, 0.5), 0.0).xy;
+#else
     vec2 uv = vec2(cos_theta, sqrt(m.alpha));
     vec4 sum = vec4(0.0);
 #ifdef D_GGX
@@ -35,6 +40,7 @@ vec2 scale_bias(float cos_theta, Material m) {
     sum += m.weight_d.y * textureLod(table_beckmann, uv, 0.0);
 #endif
     return m.weight_g.x * sum.xy + m.weight_g.y * sum.zw;
+#endif
 }
 
 vec3 shade(vec3 n, vec3 v, Material m) {

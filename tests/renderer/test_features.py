@@ -2,7 +2,7 @@
 
 import pytest
 
-from renderer.features import lobes, split_samples, technique
+from renderer.features import features, split_samples, technique
 from scenes.schema import Material
 
 
@@ -36,11 +36,11 @@ def test_other_names_are_refused_with_those_that_are_known(name):
 
 
 def test_only_what_a_material_needs_is_compiled_in(copper):
-    assert lobes(copper(0.2, 1.0)) == {"D_GGX", "G_GGX"}
-    assert lobes(copper(0.2, 0.0)) == {"D_BECKMANN", "G_BECKMANN"}
-    assert lobes(copper(0.2, 1.0, weight_g=0.0)) == {"D_GGX", "G_BECKMANN"}
+    assert features(copper(0.2, 1.0)) == {"D_GGX", "G_GGX"}
+    assert features(copper(0.2, 0.0)) == {"D_BECKMANN", "G_BECKMANN"}
+    assert features(copper(0.2, 1.0, weight_g=0.0)) == {"D_GGX", "G_BECKMANN"}
     plastic = Material(albedo=(0.0, 0.1, 0.0), roughness=0.5, metallic=0.0, weight=0.5)
-    assert lobes(plastic) == {"D_GGX", "D_BECKMANN", "G_GGX", "G_BECKMANN", "DIFFUSE"}
+    assert features(plastic) == {"D_GGX", "D_BECKMANN", "G_GGX", "G_BECKMANN", "DIFFUSE"}
 
 
 @pytest.mark.parametrize("samples", [1, 2, 3, 4, 16, 64, 1023])
