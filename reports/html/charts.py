@@ -42,6 +42,7 @@ def line_chart(
     x: Sequence[float],
     lines: Sequence[Line],
     *,
+    series_title: str,
     x_ticks: Sequence[float],
     y_range: tuple[float, float],
     unit: str = "%",
@@ -50,7 +51,9 @@ def line_chart(
 
     Args:
         description: what a reader who cannot see the chart should know.
-        lines: up to four series, each in up to two styles (solid, dashed, by first appearance).
+        series_title: what the names of the series say.
+        lines: up to four series, each in up to two styles (solid with marks,
+            dashed without, by first appearance).
         y_range: ends of the y axis, in the unit of the lines' y.
     """
     series = list(dict.fromkeys(line.series for line in lines))
@@ -60,27 +63,40 @@ def line_chart(
         for line in lines
         for at, y in zip(x, line.y, strict=True)
     ]
-    legend = {"title": None, "symbolType": "stroke", "symbolSize": 300}
-    chart = (
-        alt.Chart(alt.Data(values=values), width=WIDTH, height=HEIGHT)
-        .mark_line(point={"size": 24, "filled": True}, strokeWidth=1.6)
-        .encode(
-            x=alt.X("x:Q", title=x_title, axis=alt.Axis(values=x_ticks, format="~g")).scale(
-                domain=[x_ticks[0], x_ticks[-1]], nice=False
-            ),
-            y=alt.Y("y:Q", title=y_title, axis=alt.Axis(tickCount=5)).scale(
-                domain=y_range, nice=False
-            ),
-            color=alt.Color("series:N", sort=None, legend=alt.Legend(title=None)).scale(
-                domain=series, range=SERIES_COLOURS[: len(series)]
-            ),
-            shape=alt.Shape("series:N", sort=None, legend=alt.Legend(title=None)).scale(
-                domain=series, range=SHAPES[: len(series)]
-            ),
-            strokeDash=alt.StrokeDash("style:N", sort=None, legend=alt.Legend(**legend)).scale(
-                domain=styles, range=[[1, 0], [5, 3]][: len(styles)]
-            ),
+    series_key = alt.Legend(title=series_title, titleOrient="left", titlePadding=14, symbolSize=60)
+    styles_key = alt.Legend(
+        title=None,
+        orient="bottom",
+        offset=4,
+        symbolType="stroke",
+        symbolSize=400,
+        symbolStrokeColor=INK,
+    )
+    base = alt.Chart(alt.Data(values=values)).encode(
+        x=alt.X(
+            "x:Q", title=x_title, axis=alt.Axis(values=x_ticks, labelExpr="'' + datum.value")
+        ).scale(domain=[x_ticks[0], x_ticks[-1]], nice=False),
+        y=alt.Y("y:Q", title=y_title, axis=alt.Axis(tickCount=5)).scale(domain=y_range, nice=False),
+        color=alt.Color("series:N", sort=None, legend=series_key).scale(
+            domain=series, range=SERIES_COLOURS[: len(series)]
+        ),
+    )
+    styled = base.mark_line(strokeWidth=1.6).encode(
+        strokeDash=alt.StrokeDash("style:N", sort=None, legend=styles_key).scale(
+            domain=styles, range=[[1, 0], [5, 3]][: len(styles)]
         )
+    )
+    marked = (
+        base.transform_filter(alt.datum.style == styles[0])
+        .mark_point(filled=True, size=24, opacity=1)
+        .encode(
+            shape=alt.Shape("series:N", sort=None, legend=series_key).scale(
+                domain=series, range=SHAPES[: len(series)]
+            )
+        )
+    )
+    chart = (
+        alt.layer(styled, marked, width=WIDTH, height=HEIGHT)
         .configure(background="transparent", font="system-ui, sans-serif")
         .configure_axis(
             labelColor=SOFT, titleColor=INK, gridColor=LINE, domainColor=SOFT, tickColor=SOFT,
@@ -88,6 +104,7 @@ def line_chart(
         )
         .configure_legend(
             orient="top", labelColor=INK, labelFontSize=11, symbolBaseStrokeColor=INK,
+            titleColor=SOFT, titleFontWeight="normal", titleFontSize=11,
         )
         .configure_view(stroke=None)
     )  # fmt: skip
@@ -112,7 +129,10 @@ def _inline(svg: str, title: str, description: str) -> Markup:
     body = re.sub(r'<text [^>]*opacity="0"[^>]*>[^<]*</text>', "", body)  # labels left out
     body = body.replace(' opacity="1"', "").replace(' font-family="system-ui, sans-serif"', "")
     body = re.sub(r'<path d="[^"]*"( display="none")?/>', "", body)  # backgrounds
-    body = re.sub(r"(\d+\.\d)\d+", r"\1", body)
+    # A tenth of a unit is a tenth of a pixel or less.
+    body = re.sub(
+        r' (?:d|transform)="[^"]*"', lambda found: re.sub(r"(\.\d)\d+", r"\1", found[0]), body
+    )
     return Markup(
         f'<svg {view_box[0]} role="img" fill="none" aria-label="{escape(title)}">'
         f"<title>{escape(title)}</title><desc>{escape(description)}</desc>"

@@ -22,8 +22,8 @@ class Kind:
 
 KINDS = (
     Kind("weak", "Weak furnace", "facets seen (%)", (88, 102)),
-    Kind("albedo", "Furnace albedo of the mirror lobe", "light sent back (%)", (20, 101)),
-    Kind("surface", "Furnace albedo of a white surface", "light sent back (%)", (80, 180)),
+    Kind("albedo", "Mirror lobe", "light sent back (%)", (20, 101)),
+    Kind("surface", "White surface", "light sent back (%)", (80, 180)),
 )
 
 
@@ -50,22 +50,22 @@ def energy_claim_view() -> ClaimView:
 
 def _charts(claim: EnergyClaim, kind: Kind) -> Iterable[Chart]:
     """One quantity over weight, angle and roughness."""
-    at = f"GGX weight {WEIGHT:g}"
+    at = f"weight {WEIGHT:g}"
     places = ((0.2, 80.0), (0.5, 80.0), (1.0, 89.0))
     yield _chart(
-        claim, kind, "weight", "at three places",
+        claim, kind, "over weight",
         "GGX weight", claim.weights, (0, 0.25, 0.5, 0.75, 1),
-        {f"{r:g} at {a:g}°": (r, a, None) for r, a in places},
+        "roughness, angle", {f"{r:g}, {a:g}°": (r, a, None) for r, a in places},
     )  # fmt: skip
     yield _chart(
-        claim, kind, "angle", at,
+        claim, kind, f"over angle, {at}",
         "angle from the normal (degrees)", claim.angles, (0, 15, 30, 45, 60, 75, 89),
-        {f"roughness {r:g}": (r, None, WEIGHT) for r in (0.1, 0.5, 1.0)},
+        "roughness", {f"{r:g}": (r, None, WEIGHT) for r in (0.1, 0.5, 1.0)},
     )  # fmt: skip
     yield _chart(
-        claim, kind, "roughness", at,
+        claim, kind, f"over roughness, {at}",
         "roughness", claim.roughness, (0.1, 0.4, 0.7, 1),
-        {f"{a:g}°": (None, a, WEIGHT) for a in (45.0, 80.0, 89.0)},
+        "angle", {f"{a:g}°": (None, a, WEIGHT) for a in (45.0, 80.0, 89.0)},
     )  # fmt: skip
 
 
@@ -73,10 +73,10 @@ def _chart(
     claim: EnergyClaim,
     kind: Kind,
     over: str,
-    where: str,
     x_title: str,
     x: Sequence[float],
     ticks: Sequence[float],
+    series_title: str,
     series: dict[str, tuple[float | None, float | None, float | None]],
 ) -> Chart:
     lines = [
@@ -87,12 +87,13 @@ def _chart(
     ends = {m: [y for line in lines if line.style == m for y in line.y] for m in MASKINGS}
     spans = (f"{m} from {min(ys):.1f} to {max(ys):.1f} %" for m, ys in ends.items())
     return line_chart(
-        f"{kind.heading} over {over}, {where}",
+        f"{kind.heading} {over}",
         f"{kind.y_title}, masking {' and '.join(spans)}.",
         x_title,
         kind.y_title,
         x,
         lines,
+        series_title=series_title,
         x_ticks=ticks,
         y_range=kind.y_range,
     )
