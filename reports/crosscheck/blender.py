@@ -23,7 +23,7 @@ def main(folder: Path, out: Path, samples: int, seed: int) -> None:
         parts = (arrays[f"{name}_{number}"] for name in ("vertices", "normals", "faces"))
         add_mesh(f"object_{number:03}", *parts, surface(material))
     add_camera(scene)
-    add_environment(arrays["environment"], scene["rotation"])
+    add_environment(arrays["environment"], **scene["environment"])
     bpy.context.scene.render.filepath = str(out)
     bpy.ops.render.render(write_still=True)
 
@@ -114,8 +114,8 @@ def add_camera(scene: dict) -> None:
     bpy.context.scene.camera = thing
 
 
-def add_environment(radiance: np.ndarray, rotation: float) -> None:
-    """The map looked up by export.environment_column and environment_row, in nodes.
+def add_environment(radiance: np.ndarray, turn: float, scale: float, offset: float) -> None:
+    """The map looked up by export.environment_mapping, in nodes.
 
     Blender's own environment node puts texel centres half a row away from the poles; ours lie on
     them, so the picture's coordinates are computed here.
@@ -149,13 +149,13 @@ def add_environment(radiance: np.ndarray, rotation: float) -> None:
     links.new(nodes.new("ShaderNodeTexCoord").outputs["Generated"], direction.inputs[0])
     x, y, z = direction.outputs
     turns = math_node("DIVIDE", math_node("ARCTAN2", x, y), 2 * math.pi)
-    column = math_node("ADD", turns, rotation / 360)
+    column = math_node("ADD", turns, turn)
     # acos(z) loses its digits at the poles; atan2 keeps them.
     across = math_node(
         "SQRT", math_node("ADD", math_node("MULTIPLY", x, x), math_node("MULTIPLY", y, y))
     )
     theta = math_node("ARCTAN2", across, z)
-    down = math_node("MULTIPLY_ADD", theta, (rows - 1) / (math.pi * rows), 0.5 / rows)
+    down = math_node("MULTIPLY_ADD", theta, scale, offset)
     place = nodes.new("ShaderNodeCombineXYZ")
     links.new(column, place.inputs[0])
     links.new(math_node("SUBTRACT", 1.0, down), place.inputs[1])

@@ -36,7 +36,7 @@ def write_scene(case: Case, folder: Path) -> None:
         "height": case.height,
         "fov": case.camera.fov,
         "camera": camera_matrix(case.camera).tolist(),
-        "rotation": case.environment.rotation,
+        "environment": environment_mapping(len(arrays["environment"]), case.environment.rotation),
         "materials": [cycles_material(obj) for obj in case.objects],
     }
     np.savez(folder / "scene.npz", **arrays)
@@ -54,18 +54,17 @@ def camera_matrix(camera: Camera) -> np.ndarray:
     return matrix
 
 
-def environment_row(theta: np.ndarray, rows: int) -> np.ndarray:
-    """Where polar angle theta lies on a picture of `rows` texel rows, 0 bottom edge, 1 top edge.
+def environment_mapping(rows: int, rotation: float) -> dict[str, float]:
+    """Where a direction lies on the picture of a radiance map, both axes in [0, 1], v = 0 below.
 
-    Row r, counted from the top, lies at theta = pi r / (rows - 1) and its texel's centre at
-    1 - (r + 1/2) / rows; blender.py builds the same from nodes.
+    u = atan2(x, y) / (2 pi) + turn; v = 1 - (theta * scale + offset): row r, counted from the
+    top, lies at theta = pi r / (rows - 1), and its texel's centre at (r + 1/2) / rows.
     """
-    return 1 - (np.asarray(theta) / np.pi * (rows - 1) + 0.5) / rows
-
-
-def environment_column(x: np.ndarray, y: np.ndarray, rotation: float) -> np.ndarray:
-    """Where azimuth atan2(x, y) lies on the picture, in turns (scenes/FORMAT.md)."""
-    return np.arctan2(x, y) / (2 * np.pi) + rotation / 360
+    return {
+        "turn": rotation / 360,
+        "scale": (rows - 1) / (np.pi * rows),
+        "offset": 0.5 / rows,
+    }
 
 
 def cycles_material(obj: Object) -> dict[str, Any]:
