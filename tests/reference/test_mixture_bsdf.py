@@ -7,6 +7,7 @@ import pytest
 from reference.mixture import D_beckmann, D_ggx, projected_area_beckmann
 from reference.variant import mitsuba
 from tests.reference import formula
+from tests.reference.evaluating import chi2, directions, evaluate
 
 mi = mitsuba()
 
@@ -21,36 +22,14 @@ def mixture(alpha, weight, weight_g=None, albedo=ALBEDO, f0=F0, masking="paper")
     return mi.load_dict({"type": "mixture", "weight_g": weight_g, **model, **parameters})
 
 
-def evaluate(bsdf, wi, wo, context=None):
-    """f cos(theta_o), (n, 3)."""
-    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
-    si.wi = mi.Vector3f(wi.T.astype(np.float32))
-    wo = mi.Vector3f(wo.T.astype(np.float32))
-    return np.array(bsdf.eval(context or mi.BSDFContext(), si, wo)).T.astype(float)
-
-
-def directions(alpha, count=20_000):
-    """Pairs above the surface, half of them near the mirror direction, (n, 3) float32 values."""
-    rng = np.random.default_rng(1)
-    wi, wo = rng.normal(size=(2, count, 3))
-    wi[:, 2], wo[:, 2] = np.abs(wi[:, 2]), np.abs(wo[:, 2])
-    half = count // 2
-    wo[:half] = wi[:half] * [-1, -1, 1] + rng.normal(size=(half, 3)) * alpha
-    wi, wo = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in (wi, wo))
-    wi, wo = (w.astype(np.float32).astype(float) for w in (wi, wo))
-    # Where wi and wo are nearly opposite, float32 does not hold enough digits of their sum.
-    known = np.linalg.norm(wi + wo, axis=1) > 0.2
-    kept = known & (wi[:, 2] > 1e-3) & (wo[:, 2] > 1e-3)
-    return wi[kept], wo[kept]
-
-
 @pytest.mark.parametrize("alpha", SMOOTH_AND_ROUGH)
+@pytest.mark.parametrize("masking", ["paper", "smith"])
 @pytest.mark.parametrize(("weight", "weight_g"), [(1, 1), (0, 0), (0.3, 0.7), (1, 0)])
-def test_values_are_the_formula_in_every_direction(alpha, weight, weight_g):
+def test_values_are_the_formula_in_every_direction(alpha, weight, weight_g, masking):
     wi, wo = directions(alpha)
-    parameters = (ALBEDO, F0, alpha, weight, weight_g)
+    parameters = (ALBEDO, F0, alpha, weight, weight_g, masking)
     expected = formula.brdf(wi, wo, *parameters) * wo[:, 2:]
-    found = evaluate(mixture(alpha, weight, weight_g), wi, wo)
+    found = evaluate(mixture(alpha, weight, weight_g, masking=masking), wi, wo)
     # A float32 direction is known to 6e-8, and D at alpha .01 amplifies that a thousandfold.
     scale = np.maximum(expected, 1e-4 * expected.max(axis=0))
     assert np.max(np.abs(found - expected) / scale) < 1e-4
@@ -108,32 +87,7 @@ def test_samples_have_the_density_that_pdf_says(
 ):
     monkeypatch.chdir(tmp_path)  # where a failing test leaves its histogram
     bsdf = mixture(alpha, weight, albedo=albedo, f0=[0.3] * 3)
-    context = mi.BSDFContext()
-    theta = np.radians(angle)
-    wi = mi.Vector3f(float(np.sin(theta)), 0.0, float(np.cos(theta)))
-
-    def interaction(count):
-        si = dr.zeros(mi.SurfaceInteraction3f, count)
-        si.wi = wi
-        return si
-
-    def draw(sample):
-        si = interaction(dr.width(sample))
-        bs, weight = bsdf.sample(context, si, sample[0], mi.Point2f(sample[1], sample[2]))
-        return bs.wo, dr.select(dr.any(weight != 0), 1.0, 0.0)
-
-    def density(wo):
-        return bsdf.pdf(context, interaction(dr.width(wo)), wo)
-
-    test = mi.chi2.ChiSquareTest(
-        domain=mi.chi2.SphericalDomain(),
-        sample_func=draw,
-        pdf_func=density,
-        sample_dim=3,
-        sample_count=200_000,
-        res=100,  # even, so that the horizon, where the density ends, is an edge between cells
-        ires=16,
-    )
+    test = chi2(bsdf, angle)
     # Sidak's correction over the parameters, in `test_count`.
     assert test.run(significance_level=0.01, test_count=len(CHI2), quiet=True), test.messages
 
