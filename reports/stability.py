@@ -115,7 +115,7 @@ def Lambda(w: np.ndarray, alpha: float, share: float) -> np.ndarray:
 
     Heitz 2014, eq. 72 and 68; eq. 14 is linear in D, and so is Lambda.
     """
-    a = w[:, 2] / (alpha * np.maximum(np.hypot(w[:, 0], w[:, 1]), 1e-300))
+    a = w[:, 2] / (alpha * np.maximum(np.hypot(w[:, 0], w[:, 1]), 1e-100))
     ggx = (np.sqrt(1 + a**-2) - 1) / 2
     beckmann = (erf(a) - 1) / 2 + np.exp(-(a**2)) / (2 * a * np.sqrt(np.pi))
     return share * ggx + (1 - share) * beckmann

@@ -3,7 +3,7 @@
 import pytest
 
 from renderer.features import features, split_samples, technique
-from scenes.schema import Material
+from scenes.schema import PAPER, PHYSICAL, Material, Model, model_steps
 
 
 def test_known_techniques_have_their_names():
@@ -54,3 +54,21 @@ def test_samples_are_shared_out_whole(samples, weight, albedo):
     assert not any(n and not need for n, need in zip(split, needed, strict=True))
     if samples >= 4:
         assert all(n > 0 for n, need in zip(split, needed, strict=True) if need)
+
+
+def test_smiths_masking_takes_a_table_of_the_material_in_place_of_the_shared_ones(copper):
+    smith = Model(masking="smith")
+    assert features(copper(0.2), smith) == {"D_GGX", "G_GGX", "MASKING_SMITH"}
+    paper, material = technique("paper"), copper(0.2, 0.5)
+    shared, own = paper.maps(material), paper.maps(material, smith)
+    assert set(shared) - set(own) == {"table_ggx", "table_beckmann"}
+    assert paper.own_table(smith) and not paper.own_table(PAPER)
+    assert not technique("sampled").own_table(smith)
+
+
+@pytest.mark.parametrize("name", ["paper", "paper-noaa", "sampled@4"])
+def test_what_of_a_model_cannot_be_drawn_is_told(name):
+    assert technique(name).cannot_draw(PAPER) == ""
+    assert technique(name).cannot_draw(Model(masking="smith")) == ""
+    assert technique(name).cannot_draw(model_steps(PAPER)[0]) == "fresnel = 'exact'"
+    assert technique(name).cannot_draw(PHYSICAL) == "fresnel = 'exact', kd = 'interface'"

@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from scenes.optics import load_constants
-from scenes.schema import ALPHA_MIN, Camera, Case, Material
+from scenes.schema import ALPHA_MIN, PAPER, PHYSICAL, Camera, Case, Material, Model, model_steps
 from scenes.suite import expand, load_suite
 
 METAL = {"roughness": 0.5, "metallic": 1.0, "metal": "Cu"}
@@ -115,3 +115,25 @@ def test_a_case_refuses_two_objects_of_one_name():
     fields = case.model_dump() | {"objects": [case.objects[0].model_dump()] * 2}
     with pytest.raises(ValidationError, match="share the name"):
         Case.model_validate(fields)
+
+
+def test_the_papers_model_becomes_physical_by_fresnel_then_kd_then_masking():
+    before, changed = PAPER, []
+    for model in model_steps(PAPER):
+        (field,) = (f for f in Model.model_fields if getattr(model, f) != getattr(before, f))
+        changed.append(field)
+        before = model
+    assert changed == ["fresnel", "kd", "masking"]
+    assert before == PHYSICAL
+
+
+def test_what_is_physical_already_makes_no_step():
+    assert model_steps(PHYSICAL) == []
+    assert model_steps(Model(fresnel="exact", masking="smith")) == [PHYSICAL]
+    steps = model_steps(Model(masking="smith"))
+    assert len(steps) == 2 and all(m.masking == "smith" for m in steps)
+
+
+def test_an_interface_under_schlicks_fresnel_is_refused():
+    with pytest.raises(ValidationError, match="add fresnel = 'exact'"):
+        Model(kd="interface")

@@ -87,7 +87,9 @@ IN_SUITE = [
     ('["paper"]', "[]", "techniques", "at least 1"),
     ('["global"]', '["global"]\nbudgets = 1', "budgets", "budget"),
     (BUDGET, BUDGET + "[reference]\nmax_samples = 10", "reference", "give at least"),
-    (BUDGET, BUDGET + '[model]\nmasking = "none"', "model.masking", "'paper'"),
+    (BUDGET, BUDGET + '[model]\nmasking = "none"', "model.masking", "'paper' or 'smith'"),
+    (BUDGET, BUDGET + '[model]\nfresnel = "f82"', "model.fresnel", "'schlick' or 'exact'"),
+    (BUDGET, BUDGET + '[model]\nkd = "interface"', "model", "add fresnel = 'exact'"),
     (
         BUDGET,
         BUDGET + '[[budget]]\ntechnique = "paper"\ntruth = "global"\nscene = "ball"',

@@ -1,0 +1,100 @@
+"""Shaders, Mitsuba and double precision hold the same model, and it keeps energy."""
+
+import numpy as np
+import pytest
+
+from reference import probe as reference
+from renderer import probe as renderer
+from reports.stability import MASKINGS, WEIGHTS, Lambda, agreement, directions, materials, oracle
+from scenes.schema import Material, Model
+
+SIDES = {
+    "double precision": lambda m, wi, wo, masking: oracle(m, wi, wo, masking),
+    "GLSL": lambda m, wi, wo, masking: renderer.brdf_values(m, wi, wo, Model(masking=masking)),
+    "Mitsuba": lambda m, wi, wo, masking: reference.brdf_values(m, wi, wo, Model(masking=masking)),
+}
+
+
+@pytest.mark.parametrize("masking", MASKINGS)
+@pytest.mark.parametrize("material", materials(), ids=lambda m: f"a={m.alpha:.2g} w={m.weight}")
+def test_both_sides_are_the_model(material, masking):
+    wi, wo = directions(material.alpha)
+    expected, glsl, mitsuba = (SIDES[s](material, wi, wo, masking) for s in SIDES)
+    for ours, theirs in ((glsl, expected), (mitsuba, expected), (glsl, mitsuba)):
+        found = agreement(material, masking, "", ours, theirs, wi, wo)
+        assert found.passed, found
+
+
+@pytest.mark.parametrize("masking", MASKINGS)
+def test_masking_mixes_by_its_own_weight(masking):
+    material = materials()[9].model_copy(update={"weight": 0.3, "weight_g": 0.8})
+    wi, wo = directions(material.alpha)
+    ours, theirs = (SIDES[s](material, wi, wo, masking) for s in ("GLSL", "double precision"))
+    assert agreement(material, masking, "", ours, theirs, wi, wo).passed
+
+
+def test_a_difference_of_twice_the_tolerance_is_seen():
+    material = materials()[5]
+    wi, wo = directions(material.alpha)
+    f = oracle(material, wi, wo, "smith")
+    assert not agreement(material, "smith", "", f * 1.0002, f, wi, wo).passed
+    assert not agreement(material, "smith", "", oracle(material, wi, wo), f, wi, wo).passed
+
+
+def furnace(f, alpha: float, degrees: list[float]) -> np.ndarray:
+    """The weak white furnace: the area of visible facets over the area that they should have, (n,).
+
+    ∫ G1(wo) max(wo·h, 0) D(h) dh / n·wo, which is 1 for any Smith masking (Heitz 2014, eq. 11). D
+    and G1 are read off a BRDF of white facets alone: at h = n (wi mirrors wo) it is
+    D(n) G1(wo)² / (4 n·wo²), and at wi = wo = h it is D(h) G1(h)² / (4 n·h²).
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    s, ds = (nodes + 1) * np.pi / 4, weights * np.pi / 4
+    theta = np.arctan(alpha * np.tan(s))
+    stretch = alpha / np.cos(s) ** 2 / (1 + (alpha * np.tan(s)) ** 2)
+    known = np.cos(theta) > 1e-5  # no NDF has facets to speak of beyond
+    theta, ring = theta[known], (np.sin(theta) * stretch * ds)[known]
+
+    every = np.concatenate([[0], theta, np.radians(degrees)])
+    w = np.stack([np.sin(every), 0 * every, np.cos(every)], axis=1).astype(np.float32)
+    z = w[:, 2].astype(float)
+    mirrored = f(w, w * np.float32([-1, 1, 1]))[:, 0].astype(float)
+    G1 = z * np.sqrt(mirrored / mirrored[0])  # at 0 degrees G1 is 1
+    D = 4 * z**2 * f(w, w)[:, 0] / G1**2
+
+    phi = (np.arange(500) + 0.5) * np.pi / 250
+    shares = []
+    for own, angle in zip(G1[-len(degrees) :], np.radians(degrees), strict=True):
+        tilt = np.sin(angle) * np.sin(theta)[:, None] * np.cos(phi)
+        seen = np.maximum(tilt + np.cos(angle) * np.cos(theta)[:, None], 0).mean(axis=1)
+        total = np.sum(D[1 : len(theta) + 1] * seen * 2 * np.pi * ring)
+        shares.append(own * total / np.cos(angle))
+    return np.array(shares)
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("weight", WEIGHTS)
+@pytest.mark.parametrize("alpha", [0.05, 0.25, 0.64, 1.0])
+def test_smiths_masking_of_mixtures_passes_the_weak_white_furnace(side, weight, alpha):
+    white = Material(roughness=alpha**0.5, metallic=1, metal=1.0, weight=weight)
+    shares = furnace(lambda *w: SIDES[side](white, *w, "smith"), alpha, [0, 45, 80, 89])
+    np.testing.assert_allclose(shares, 1, atol=1e-3)
+
+
+def test_an_arithmetic_mean_of_maskings_fails_the_weak_white_furnace():
+    """W = 1 + w1 w2 (G1 - G2)² / (G1 G2), so that the test above can fail."""
+    alpha, weight, degrees = 0.64, 0.5, 80
+    white = Material(roughness=alpha**0.5, metallic=1, metal=1.0, weight=weight)
+
+    def G1(w, share):
+        return 1 / (1 + Lambda(w.astype(float), alpha, share))
+
+    def f(wi, wo):
+        changes = [(G1(w, 1) + G1(w, 0)) / 2 / G1(w, weight) for w in (wi, wo)]
+        return oracle(white, wi, wo, "smith") * np.prod(changes, axis=0)[:, None]
+
+    w = np.array([[np.sin(np.radians(degrees)), 0, np.cos(np.radians(degrees))]])
+    a, b = G1(w, 1)[0], G1(w, 0)[0]
+    expected = 1 + 0.25 * (a - b) ** 2 / (a * b)
+    assert expected > 1.01
+    assert furnace(f, alpha, [degrees])[0] == pytest.approx(expected, abs=1e-3)
