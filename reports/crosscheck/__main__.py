@@ -25,7 +25,7 @@ def main() -> int:
     parser.add_argument("python", help="an interpreter with bpy")
     parser.add_argument("case", type=Path)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--samples", type=int, default=1024, help="per pixel")
+    parser.add_argument("--samples", type=int, default=192, help="per pixel")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:

@@ -48,7 +48,6 @@ def add_mesh(name, vertices, normals, faces, material) -> None:
 def surface(description: dict):
     """The material of export.cycles_material, as one node."""
     material = bpy.data.materials.new(description["kind"])
-    material.use_nodes = True
     # On, Cycles bends shading normals until the mirror direction clears the triangle.
     material.cycles.use_bump_map_correction = False
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -131,7 +130,6 @@ def add_environment(radiance: np.ndarray, turn: float, scale: float, offset: flo
 
     world = bpy.data.worlds.new("world")
     bpy.context.scene.world = world
-    world.use_nodes = True
     nodes, links = world.node_tree.nodes, world.node_tree.links
     nodes.clear()
 

@@ -4,7 +4,7 @@
 
 PYTHON has bpy, FRAME is one that shadeproof saved (it holds the ids of the objects), for example
 `truths/<case>/physical.a.exr` of a finished run. Prints a table, and writes the object once per
-display, side by side.
+display, side by side. Before any of them the object's median luminance is put at 0.18.
 """
 
 import argparse
@@ -64,13 +64,10 @@ def main() -> None:
     parser.add_argument("frame", type=Path)
     parser.add_argument("picture", type=Path)
     parser.add_argument("--object", type=int, default=1)
-    parser.add_argument(
-        "--metered", action="store_true", help="put the object's median luminance at 0.18 first"
-    )
     options = parser.parse_args()
     frame = load_frame(options.frame)
     mask = frame.ids == options.object
-    rgb = frame.rgb * (exposure_for(frame.rgb, mask) if options.metered else 1)
+    rgb = frame.rgb * exposure_for(frame.rgb, mask)
     views = blender_views(options.python, rgb)
     if (gap := abs(views["Standard"] - display(rgb, 1)).max()) > 1e-3:
         raise SystemExit(f"Blender's Standard is not our own display: off by {gap:.4f}")
