@@ -10,12 +10,14 @@ from renderer.context import context
 from renderer.draw import Renderer, _placed, object_ids, vertex_array
 from renderer.features import Technique, technique
 from renderer.glsl import source
+from renderer.precompute import precomputed
+from renderer.precompute.brdf_table import smith_table
 from renderer.program import set_uniforms
 from renderer.targets import make_target
 from renderer.view import view
 from reports.stability import oracle
 from scenes.mesh import world_mesh
-from scenes.schema import Camera, Material
+from scenes.schema import Camera, Material, Model
 
 PLASTIC = Material(albedo=(0.6, 0.3, 0.05), roughness=0.6, metallic=0.0, weight=0.5)
 
@@ -114,13 +116,16 @@ def test_drawing_twice_gives_the_same_bytes(light, make_case, copper, name):
 
 
 @pytest.mark.parametrize("alpha", [0.05, 0.36, 1.0])
-@pytest.mark.parametrize("weight", [1.0, 0.5, 0.0])
+@pytest.mark.parametrize(
+    ("weight", "masking"), [(1.0, "paper"), (0.5, "paper"), (0.0, "paper"), (0.5, "smith")]
+)
 def test_sampled_in_constant_light_is_the_directional_albedo(
-    light, make_case, rays, over_lobe, alpha, weight
+    light, make_case, rays, over_lobe, alpha, weight, masking
 ):
     material = PLASTIC.model_copy(update={"roughness": np.sqrt(alpha), "weight": weight})
     camera = Camera(origin=(0, -100, 0), target=(0, 0, 0), fov=1.2)
     case = make_case(light(2.0), ("sphere", material, {}), size=(16, 16), camera=camera)
+    case = case.model_copy(update={"model": Model(masking=masking)})
     dense = Technique("dense", "shade_sampled.glsl", samples=4096, msaa=0)
     seen = Renderer(dense, repeats=0).render(case).rgb
     eye, d = rays(case)
@@ -128,9 +133,51 @@ def test_sampled_in_constant_light_is_the_directional_albedo(
         b = d[row, column] @ eye
         t = -b - np.sqrt(b**2 - (eye @ eye - 1))
         cos_o = -(eye + t * d[row, column]) @ d[row, column]
-        albedo = over_lobe(lambda wi, wo: oracle(material, wi, wo), alpha, cos_o, 200, 100)
+        albedo = over_lobe(lambda wi, wo: oracle(material, wi, wo, masking), alpha, cos_o, 200, 100)
         # 4,096 samples; facets tilt the normal by less than 1e-4.
         np.testing.assert_allclose(seen[row, column], 2 * albedo, rtol=0.004)
+
+
+@pytest.mark.parametrize("masking", ["paper", "smith"])
+def test_the_paper_in_constant_light_is_the_directional_albedo_of_each_metal(
+    light, make_case, copper, over_lobe, masking
+):
+    """The split sum is exact in constant light, and each object has its own masking."""
+    alphas, weights = (0.36, 0.1), (0.5, 0.0)
+    metals = [copper(a, w) for a, w in zip(alphas, weights, strict=True)]
+    planes = [
+        ("plane", m, {"position": (x, 0, 0), "scale": 2.0})
+        for m, x in zip(metals, (-1, 1), strict=True)
+    ]
+    camera = Camera(origin=(0, -600, 300), target=(0, 0, 0), fov=0.2)
+    case = make_case(light(2.0), *planes, size=(48, 48), camera=camera)
+    frame = draw("paper", case.model_copy(update={"model": Model(masking=masking)}))
+    cos_o = 300 / np.hypot(600, 300)
+    for number, metal in enumerate(metals, start=1):
+        inner = ndimage.binary_erosion(frame.ids == number, iterations=2)
+        assert inner.sum() > 50
+        albedo = over_lobe(
+            lambda wi, wo, m=metal: oracle(m, wi, wo, masking), alphas[number - 1], cos_o
+        )
+        # As for the table: 1,024 samples.
+        np.testing.assert_allclose(frame.rgb[inner].mean(axis=0), 2 * albedo, atol=0.01)
+
+
+def test_a_model_that_cannot_be_drawn_is_refused(light, make_case, copper):
+    case = make_case(light(1.0), ("sphere", copper(0.2), {}))
+    with pytest.raises(ValueError, match="'paper' cannot draw fresnel = 'exact'"):
+        draw("paper", case.model_copy(update={"model": Model(fresnel="exact")}))
+
+
+def test_a_table_of_the_materials_own_counts_as_precomputation(light, make_case, copper):
+    case = make_case(light(1.0), ("sphere", copper(0.21, 0.47), {}), size=(8, 8))
+    smith = case.model_copy(update={"model": Model(masking="smith")})
+    frame = draw("paper", smith)
+    environment = precomputed(case.environment.path)
+    shared = environment.cost(technique("paper").maps(case.objects[0].material, smith.model))
+    table = smith_table(case.objects[0].material)
+    assert frame.provenance["precomputation_seconds"] == shared + table.seconds > shared
+    assert "table_ggx" not in environment.maps
 
 
 @pytest.mark.parametrize("name", ["paper", "sampled@256"])
