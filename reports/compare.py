@@ -70,7 +70,9 @@ def compare(case: Case, candidate: Frame, truth: Truth) -> Iterator[tuple[Object
         pixels = candidate.rgb[truth.crops[obj.name]]
         fields = _counts(pixels[view.mask]) | {"exposure": view.exposure}
         if candidate.ids is not None:
-            fields["silhouette"] = _overlap(candidate.ids, truth.ids, case.index(obj.name))
+            overlap = _overlap(candidate.ids, truth.ids, case.index(obj.name))
+            # Masks are exact, without noise.
+            fields |= {"silhouette": overlap, "silhouette_ci95": (overlap, overlap)}
         if problem := _unusable(pixels, fields, view):
             yield obj, fields | {"problem": problem}
             continue

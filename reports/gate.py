@@ -1,28 +1,36 @@
 """Verdicts: a row against its budget, and a run against its suite."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
+from reports.noise import CONFIDENCE, Estimate, sidak
 from reports.results import Missing, Results, Row, Verdict
 from scenes.errors import InputError
-from scenes.suite import Budget, Entry
+from scenes.suite import Budget, Entry, Sampling
 
 UPPER, LOWER = ("energy_error", "energy_local"), ("ssim", "silhouette")
-INTERVALS = {
-    "energy_error": "energy_ci95",
-    "energy_local": "energy_local_ci95",
-    "ssim": "ssim_ci95",
-}
+SELECTORS = ("scene", "environment", "object", "material", "weight", "technique", "truth")
+# What the fields of a figure's noise begin with; `silhouette` has none.
+NOISY = {"energy_error": "energy", "energy_local": "energy_local", "ssim": "ssim"}
+FAMILY_ERROR = 1e-3  # chance that any verdict of a whole suite is wrong by the reference's noise
+SHARP = 1 / 3  # of its budget: a 95 % interval wider than that cannot judge
+FIRST_BATCHES = 8  # that a reference starts with; they double at every look
 
 
-def budget_of(row: Row, rules: list[Budget]) -> tuple[dict[str, float], list[str]]:
+def budget_of(row: Row, rules: Sequence[Budget]) -> tuple[dict[str, float], list[str]]:
     """The limits that hold for a row, and the reasons of the overrides among them."""
+    return _limits(row.model_dump(include={*SELECTORS}), rules)
+
+
+def _limits(
+    identity: dict[str, Any], rules: Sequence[Budget]
+) -> tuple[dict[str, float], list[str]]:
     limits, reasons = {}, []
     for rule in rules:
-        if (rule.technique, rule.truth) != (row.technique, row.truth):
-            continue
-        if any(getattr(row, name) != value for name, value in rule.selectors.items()):
+        wanted = rule.selectors | {"technique": rule.technique, "truth": rule.truth}
+        if any(identity[name] != value for name, value in wanted.items()):
             continue
         limits |= {m: v for m in (*UPPER, *LOWER) if (v := getattr(rule, m)) is not None}
         if rule.reason:
@@ -39,19 +47,9 @@ def check_rules(
         InputError: naming the rule.
     """
     rows = [
-        {
-            "scene": entry.case.scene,
-            "environment": entry.case.environment.name,
-            "object": obj.name,
-            "material": obj.material.name,
-            "weight": obj.material.weight,
-            "technique": technique,
-            "truth": truth,
-        }
+        identity
         for entry in entries
-        for obj in entry.case.judged
-        for technique in (*entry.techniques, outside)
-        for truth in entry.truths
+        for identity in _identities(entry, [*entry.techniques, outside])
     ]
     for number, rule in enumerate(rules):
         if rule.truth == "physical":
@@ -67,34 +65,111 @@ def check_rules(
             )
 
 
-def judge(row: Row, rules: list[Budget]) -> Row:
+def family_size(
+    rules: Sequence[Budget], entries: Sequence[Entry], sampling: Sampling, outside: str = ""
+) -> int:
+    """How many times a suite holds a noisy figure against its budget, at most.
+
+    Every budgeted figure of every row counts once per look, since batches are added until all
+    figures are decided.
+
+    Args:
+        entries: of the whole suite, so that a filter changes no verdict.
+        outside: the technique of an outside candidate, which then stands for all others.
+    """
+    doublings = math.log2(sampling.max_samples / sampling.samples_per_batch / FIRST_BATCHES)
+    figures = sum(
+        metric in NOISY
+        for entry in entries
+        for identity in _identities(entry, [outside] if outside else entry.techniques)
+        for metric in _limits(identity, rules)[0]
+    )
+    return max(figures, 1) * (1 + math.ceil(doublings))
+
+
+def _identities(entry: Entry, techniques: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """What rules select rows by, for every row that an entry gives."""
+    for obj in entry.case.judged:
+        for technique in techniques:
+            for truth in entry.truths:
+                yield {
+                    "scene": entry.case.scene,
+                    "environment": entry.case.environment.name,
+                    "object": obj.name,
+                    "material": obj.material.name,
+                    "weight": obj.material.weight,
+                    "technique": technique,
+                    "truth": truth,
+                }
+
+
+def bounds(row: Row, metric: str, confidence: float) -> tuple[float, float]:
+    """The interval of a judged figure at some confidence, from its standard error."""
+    value = getattr(row, metric)
+    if metric not in NOISY:
+        return value, value
+    stem = NOISY[metric]
+    se, dof = getattr(row, f"{stem}_se"), getattr(row, f"{stem}_dof")
+    if metric != "energy_local":
+        return Estimate(value, se, dof).interval(confidence)
+    low, high = Estimate(value**2, se, dof).interval(confidence)
+    return (math.sqrt(max(low, 0)), math.sqrt(max(high, 0))) if low == low else (low, high)
+
+
+def judge(row: Row, rules: Sequence[Budget], family: int = 1) -> Row:
     """The row with its budget, margins and verdict.
 
     A figure passes when its whole interval does and fails when none of it does; in between it is
-    inconclusive, and `note` says how many samples would decide. Margins are fractions of the
-    budget, negative where the figure is over it.
+    inconclusive, and `note` says how many samples would decide. The intervals are so wide that
+    of `family` verdicts (`family_size`) any is wrong with a chance of 1e-3 (Šidák 1967). Margins
+    are fractions of the budget, negative where the figure is over it.
     """
     limits, reasons = budget_of(row, rules)
-    margins, verdicts = {}, []
+    confidence = sidak(FAMILY_ERROR, family)
+    margins, verdicts, unsharp = {}, {}, []
     notes = [*filter(None, [row.note]), *(f"budget: {r}" for r in reasons)]
     for metric, limit in limits.items():
         value = getattr(row, metric)
-        low, high = getattr(row, INTERVALS[metric]) if metric in INTERVALS else (value, value)
-        verdict, margin = _verdict(metric, value, low, high, limit)
-        margins[metric] = margin
-        verdicts.append(verdict)
+        low, high = bounds(row, metric, confidence)
+        verdicts[metric], margins[metric] = _verdict(metric, value, low, high, limit)
         if metric == "silhouette" and math.isnan(value):
             notes.append("silhouette: the candidate gives no object ids")
-        if verdict == "inconclusive":
+        if verdicts[metric] == "inconclusive":
             notes.append(_samples_to_decide(row, metric, value, low, high, limit))
+        elif not row.problem and not _sharp(row, metric, limit):
+            notes.append(f"{metric}: its 95 % interval is wider than a third of its budget")
+        if not row.problem and not _sharp(row, metric, limit):
+            unsharp.append(metric)
     if row.problem:
         verdict = "fail"
     else:
         order = ("fail", "inconclusive", "pass")
-        verdict = next((v for v in order if v in verdicts), "reported")
+        verdict = next((v for v in order if v in verdicts.values()), "reported")
     return row.model_copy(
-        update={"budget": limits, "margins": margins, "verdict": verdict, "note": "; ".join(notes)}
+        update={
+            "budget": limits,
+            "margins": margins,
+            "verdict": verdict,
+            "confidence": confidence if limits else math.nan,
+            "undecided": [m for m, v in verdicts.items() if v == "inconclusive"],
+            "unsharp": unsharp,
+            "note": "; ".join(notes),
+        }
     )
+
+
+def settled(row: Row) -> bool:
+    """Whether no more batches are needed: every judged figure is decided, and sharp."""
+    return bool(row.problem) or not (row.undecided or row.unsharp)
+
+
+def _sharp(row: Row, metric: str, limit: float) -> bool:
+    """Whether half the 95 % interval is at most a third of the budget (of SSIM's way to 1)."""
+    low, high = bounds(row, metric, CONFIDENCE)
+    if metric not in NOISY or math.isinf(getattr(row, metric)):
+        return True
+    allowed = 1 - limit if metric in LOWER else limit
+    return (high - low) / 2 <= SHARP * allowed
 
 
 def _verdict(

@@ -28,6 +28,7 @@ Interval = tuple[Figure, Figure]
 # By factory, since a NaN as plain default has no place in a JSON Schema.
 UNKNOWN = Field(default_factory=lambda: float("nan"))
 UNKNOWN_INTERVAL = Field(default_factory=lambda: (float("nan"),) * 2)
+UNKNOWN_RGB_INTERVALS = Field(default_factory=lambda: ((float("nan"),) * 2,) * 3)
 UNKNOWN_RGB = Field(default_factory=lambda: (float("nan"),) * 3)
 
 
@@ -40,8 +41,11 @@ class Record(BaseModel):
 class Row(Record):
     """One object of one case: one candidate against one truth.
 
-    Errors are fractions (0.01 is 1 %), times are in milliseconds or seconds as named, intervals
-    are 95 %. A figure that could not be measured is null and `problem` says why.
+    Errors are fractions (0.01 is 1 %), times are in milliseconds or seconds as named, `_ci95` is
+    a 95 % interval, `_se` and `_dof` are a judged figure's standard error and its degrees of
+    freedom (of the square, for energy_local). Verdicts hold at `confidence`, wider than 95 %, so
+    that all of a suite's do together. A figure that could not be measured is null and `problem`
+    says why.
     """
 
     case: str
@@ -57,18 +61,32 @@ class Row(Record):
     truth: str
     ssim: Figure = UNKNOWN
     ssim_ci95: Interval = UNKNOWN_INTERVAL
+    ssim_se: Figure = UNKNOWN
+    ssim_dof: Figure = UNKNOWN
     ssim_raw: Figure = UNKNOWN
+    ssim_raw_ci95: Interval = UNKNOWN_INTERVAL
     ssim_p5: Figure = UNKNOWN
+    ssim_p5_ci95: Interval = UNKNOWN_INTERVAL
     ssim_highlights: Figure = UNKNOWN
+    ssim_highlights_ci95: Interval = UNKNOWN_INTERVAL
     energy_error: Figure = UNKNOWN
     energy_ci95: Interval = UNKNOWN_INTERVAL
+    energy_se: Figure = UNKNOWN
+    energy_dof: Figure = UNKNOWN
     energy_rgb: tuple[Figure, Figure, Figure] = UNKNOWN_RGB
+    energy_rgb_ci95: tuple[Interval, Interval, Interval] = UNKNOWN_RGB_INTERVALS
     energy_local: Figure = UNKNOWN
     energy_local_ci95: Interval = UNKNOWN_INTERVAL
+    energy_local_se: Figure = UNKNOWN
+    energy_local_dof: Figure = UNKNOWN
     relmse: Figure = UNKNOWN
+    relmse_ci95: Interval = UNKNOWN_INTERVAL
     relmse_median: Figure = UNKNOWN
+    relmse_median_ci95: Interval = UNKNOWN_INTERVAL
     flip: Figure = UNKNOWN
+    flip_ci95: Interval = UNKNOWN_INTERVAL
     silhouette: Figure = UNKNOWN
+    silhouette_ci95: Interval = UNKNOWN_INTERVAL
     nan_pixels: int = 0
     inf_pixels: int = 0
     negative_pixels: int = 0
@@ -82,6 +100,9 @@ class Row(Record):
     budget: dict[str, float] = Field(default_factory=dict)
     margins: dict[str, Figure] = Field(default_factory=dict)
     verdict: Verdict = "reported"
+    confidence: Figure = UNKNOWN
+    undecided: list[str] = Field(default_factory=list)
+    unsharp: list[str] = Field(default_factory=list)
     problem: str = ""
     note: str = ""
 

@@ -19,6 +19,7 @@ def judged_rows(
     frames: dict[str, Frame],
     failures: dict[str, str],
     rules: Sequence[Budget],
+    family: int = 1,
 ) -> list[Row]:
     """The rows of a case against one truth, with their verdicts.
 
@@ -27,6 +28,7 @@ def judged_rows(
         failures: why a technique gave no picture; its rows fail with that problem.
         rules: the suite's budgets. None holds against `physical`: it draws another model than
             the paper's, so such rows are told and never judged.
+        family: how many verdicts must hold together (`gate.family_size`).
     """
     rules = [] if truth.name == "physical" else list(rules)
     rows = [
@@ -42,7 +44,7 @@ def judged_rows(
             rows.append(
                 Row(**_identity(case, obj, label), **_cost(truth), **times, **figures, note=few)
             )
-    return [gate.judge(row, rules) for row in rows]
+    return [gate.judge(row, rules, family) for row in rows]
 
 
 def _few_pixels(obj: Object, pixels: int) -> str:

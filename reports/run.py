@@ -86,6 +86,12 @@ class Job:
         object.__setattr__(self, "whole", whole)
         object.__setattr__(self, "skipped", [f"{i} (filter '{self.filter}')" for i in skipped])
 
+    @property
+    def family(self) -> int:
+        """How many verdicts must hold together: the whole suite's, at every look at its batches."""
+        label = OUTSIDE if self.outside else ""
+        return gate.family_size(self.suite.budget, self.whole, self.suite.reference, label)
+
     def candidates(self, entry: Entry) -> dict[str, Candidate]:
         """What draws an entry's case, by technique."""
         if self.outside:
@@ -164,8 +170,8 @@ def _run_entry(
             nonlocal exposures, judged
             exposures = exposures or exposures_of(case, batches)
             truth = Truth(case, name, batches, exposures)
-            judged = judged_rows(case, truth, frames, failures, job.suite.budget)
-            return all(r.verdict != "inconclusive" for r in judged)
+            judged = judged_rows(case, truth, frames, failures, job.suite.budget, job.family)
+            return all(gate.settled(r) for r in judged)
 
         def traced(done: int, wanted: int, name: str = name) -> None:
             report.detail(f"{case.id}: trace {name}, batch {done} of {wanted}")

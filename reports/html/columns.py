@@ -23,30 +23,51 @@ def _budgeted(name: str) -> Callable[[Row], Shown]:
     return lambda row: cell(f.METRICS[name], row)
 
 
+def _with_interval(
+    name: str, show: Callable[[float], str], channel: int | None = None
+) -> Callable[[Row], Shown]:
+    def shown(row: Row) -> str:
+        value, interval = getattr(row, name), getattr(row, f"{name}_ci95")
+        if channel is not None:
+            value, interval = value[channel], interval[channel]
+        return f.within(show(value), interval, show)
+
+    return shown
+
+
+def _signed(value: float) -> str:
+    return f.percent(value, signed=True)
+
+
+def _small(value: float) -> str:
+    return f.number(value, 5)
+
+
 GROUPS: tuple[tuple[str, tuple[Column, ...]], ...] = (
     ("Energy", (
         Column("local", "root mean square of the energy error of 16×16 blocks, worst channel",
                _budgeted("energy_local")),
         Column("total", "light on the object, candidate over reference, minus 1",
                _budgeted("energy_error")),
-        Column("R", "total, red only", lambda r: f.percent(r.energy_rgb[0], signed=True)),
-        Column("G", "total, green only", lambda r: f.percent(r.energy_rgb[1], signed=True)),
-        Column("B", "total, blue only", lambda r: f.percent(r.energy_rgb[2], signed=True)),
+        Column("R", "total, red only", _with_interval("energy_rgb", _signed, 0)),
+        Column("G", "total, green only", _with_interval("energy_rgb", _signed, 1)),
+        Column("B", "total, blue only", _with_interval("energy_rgb", _signed, 2)),
     )),
     ("SSIM, 1 is the same", (
         Column("mean", "after exposure and sRGB, without the reference's noise",
                _budgeted("ssim")),
-        Column("raw", "with the reference's noise", lambda r: f.similarity(r.ssim_raw)),
+        Column("raw", "with the reference's noise", _with_interval("ssim_raw", f.similarity)),
         Column("5th pct", "5th percentile of the map: the worst parts of the object",
-               lambda r: f.similarity(r.ssim_p5)),
-        Column("highlights", "three stops darker", lambda r: f.similarity(r.ssim_highlights)),
+               _with_interval("ssim_p5", f.similarity)),
+        Column("highlights", "three stops darker", _with_interval("ssim_highlights", f.similarity)),
     )),
     ("Other errors", (
-        Column("relMSE", "relative squared error, mean over pixels",
-               lambda r: f.number(r.relmse, 5)),
-        Column("median", "relative squared error, median over pixels",
-               lambda r: f.number(r.relmse_median, 5)),
-        Column("FLIP", "HDR-FLIP, 0 is the same", lambda r: f.similarity(r.flip)),
+        Column("relMSE", "relative squared error, mean over 8×8 blocks",
+               _with_interval("relmse", _small)),
+        Column("median", "relative squared error, median over 8×8 blocks",
+               _with_interval("relmse_median", _small)),
+        Column("FLIP", "HDR-FLIP, 0 is the same; bounds for the reference's noise",
+               _with_interval("flip", f.similarity)),
         Column("silhouette", "overlap of the two masks, 1 is the same", _budgeted("silhouette")),
         Column("NaN / Inf / <0", "pixels on the object that are no number, infinite, negative",
                lambda r: f"{r.nan_pixels} / {r.inf_pixels} / {r.negative_pixels}"),

@@ -55,6 +55,14 @@ def half_width(interval: tuple[float, float]) -> float:
     return (interval[1] - interval[0]) / 2
 
 
+def within(shown: str, interval: tuple[float, float], show: Callable[[float], str]) -> str:
+    """A figure that nobody judges, with its interval where it has one."""
+    low, high = interval
+    if shown == NONE or math.isnan(low):
+        return shown
+    return f"{shown} ({show(low)} to {show(high)})"
+
+
 def slug(*parts: str) -> str:
     """An HTML id from names, whatever they hold."""
     return "--".join(re.sub(r"[^\w.=-]+", "-", part) for part in parts)
@@ -115,14 +123,8 @@ class Metric:
         return self.limit.format(shown)
 
     def undecided(self, row: Row) -> bool:
-        """Whether the interval lies on both sides of the budget, or is not known at all."""
-        low, high = self.bounds(row)
-        if self.name not in row.budget:
-            return False
-        if self.hidden(row):
-            return True
-        limit = row.budget[self.name]
-        return any(low < edge < high for edge in (limit, *([-limit] if "±" in self.limit else [])))
+        """Whether noise hides on which side of its budget the figure lies."""
+        return self.name in row.undecided
 
 
 METRICS = {

@@ -6,6 +6,9 @@ from functools import cached_property
 import numpy as np
 from scipy import ndimage
 
+from reports.noise import grouped
+
+GROUPS = 8  # of batches, for the noise of every figure: more would cost time and tell little
 MARGIN = 8  # pixels around the object; SSIM's window reaches 5
 
 
@@ -31,13 +34,18 @@ class TruthView:
         return self.batches.mean(axis=0)
 
     @cached_property
+    def groups(self) -> np.ndarray:
+        """Means of at most 8 groups of batches of equal size, (g, h, w, 3)."""
+        return grouped(self.batches, GROUPS)
+
+    @cached_property
     def core(self) -> np.ndarray:
         """The mask eroded by one pixel, (h, w): where SSIM is averaged."""
         return ndimage.binary_erosion(self.mask)
 
     @cached_property
-    def moments(self) -> dict:
-        """What SSIM knows of the truth alone; filled by metrics.ssim, shared by candidates."""
+    def shown(self) -> dict:
+        """The truth after display, by exposure; filled by metrics.ssim, shared by candidates."""
         return {}
 
 

@@ -7,15 +7,18 @@ import pytest
 
 from reports import ci, gate
 from reports.results import Missing, Results, Row
-from scenes.suite import Budget
+from scenes.suite import Budget, expand, load_suite
 
 PASSING = {
     "ssim": 0.95,
-    "ssim_ci95": (0.94, 0.96),
+    "ssim_se": 0.002,
+    "ssim_dof": 400,
     "energy_error": 0.01,
-    "energy_ci95": (0.005, 0.015),
+    "energy_se": 0.001,
+    "energy_dof": 1000,
     "energy_local": 0.03,
-    "energy_local_ci95": (0.02, 0.04),
+    "energy_local_se": 1e-4,
+    "energy_local_dof": 60,
     "reference_spp": 256,
 }
 RULES = [Budget(technique="paper", truth="global", energy_error=0.05, energy_local=0.1, ssim=0.9)]
@@ -64,16 +67,16 @@ def results(rows, **changes):
     ("changes", "verdict"),
     [
         ({}, "pass"),
-        ({"energy_error": 0.08, "energy_ci95": (0.07, 0.09)}, "fail"),
-        ({"energy_error": -0.08, "energy_ci95": (-0.09, -0.07)}, "fail"),
-        ({"energy_error": 0.05, "energy_ci95": (0.04, 0.06)}, "inconclusive"),
-        ({"energy_error": -0.05, "energy_ci95": (-0.06, -0.04)}, "inconclusive"),
-        ({"energy_local": 0.2, "energy_local_ci95": (0.19, 0.21)}, "fail"),
-        ({"ssim": 0.85, "ssim_ci95": (0.84, 0.86)}, "fail"),
-        ({"ssim": 0.9, "ssim_ci95": (0.89, 0.91)}, "inconclusive"),
-        ({"ssim": math.nan, "ssim_ci95": (math.nan, math.nan)}, "fail"),
-        ({"ssim_ci95": (math.nan, math.nan)}, "inconclusive"),
-        ({"energy_ci95": (math.nan, math.nan)}, "inconclusive"),
+        ({"energy_error": 0.08}, "fail"),
+        ({"energy_error": -0.08}, "fail"),
+        ({"energy_error": 0.05}, "inconclusive"),
+        ({"energy_error": -0.05}, "inconclusive"),
+        ({"energy_local": 0.2}, "fail"),
+        ({"ssim": 0.85}, "fail"),
+        ({"ssim": 0.9}, "inconclusive"),
+        ({"ssim": math.nan}, "fail"),
+        ({"ssim_se": math.nan, "ssim_dof": 0}, "inconclusive"),
+        ({"energy_se": math.nan, "energy_dof": 0}, "inconclusive"),
         ({"problem": "is blank where the truth is not"}, "fail"),
         ({"truth": "unoccluded"}, "reported"),
     ],
@@ -87,7 +90,7 @@ def test_an_override_changes_only_the_rows_it_names():
         *RULES,
         Budget(technique="paper", truth="global", material="silver", ssim=0.5, reason="because"),
     ]
-    low = {"ssim": 0.6, "ssim_ci95": (0.59, 0.61)}
+    low = {"ssim": 0.6}
     judged = gate.judge(row(**low), rules)
     assert judged.verdict == "pass"
     assert judged.budget["energy_local"] == 0.1
@@ -96,8 +99,53 @@ def test_an_override_changes_only_the_rows_it_names():
 
 
 def test_inconclusive_says_how_many_samples_would_decide():
-    judged = gate.judge(row(energy_error=0.045, energy_ci95=(0.025, 0.065)), RULES)
-    assert "about 4096 samples" in judged.note  # 16 times the 256 for a quarter of the width
+    judged = gate.judge(row(energy_error=0.045, energy_se=0.006), RULES)
+    # 3.3 standard errors of .006 for 1e-3, at a distance of .005, squared: 15.7 times the 256.
+    assert "about 4016 samples" in judged.note
+
+
+def test_verdicts_of_a_family_hold_together_at_one_in_a_thousand():
+    near = row(energy_error=0.046)  # 4 standard errors within its budget
+    assert gate.judge(near, RULES, family=1).verdict == "pass"
+    assert gate.judge(near, RULES, family=800).verdict == "inconclusive"
+    assert gate.judge(near, RULES, family=800).undecided == ["energy_error"]
+    levels = [gate.judge(near, RULES, family=m).confidence for m in (1, 800)]
+    assert [level**m for level, m in zip(levels, (1, 800), strict=True)] == pytest.approx(
+        [0.999] * 2
+    )
+
+
+def test_the_family_counts_every_budgeted_figure_at_every_look():
+    suite, path = load_suite("tiny")
+    entries = expand(suite, path)
+    judged = len(entries[0].case.judged)
+    # paper: energy_error and energy_local; sampled: energy_error. 128 samples in batches of 16.
+    assert gate.family_size(suite.budget, entries, suite.reference) == 3 * judged
+    longer = suite.reference.model_copy(update={"max_samples": 512})
+    assert gate.family_size(suite.budget, entries, longer) == 9 * judged
+
+
+def test_the_interval_of_local_energy_is_the_root_of_its_squares():
+    low, high = gate.bounds(row(energy_local=0.03, energy_local_se=5e-4), "energy_local", 0.95)
+    assert low == pytest.approx(0, abs=1e-9)
+    assert high == pytest.approx(math.sqrt(9e-4 + 2.0 * 5e-4), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "unsharp"),
+    [
+        ({}, []),
+        ({"energy_error": 0.0, "energy_se": 0.01}, ["energy_error"]),
+        ({"ssim": 1.0, "ssim_se": 0.02}, ["ssim"]),
+        ({"energy_error": 0.5, "energy_se": 0.01}, ["energy_error"]),
+        ({"energy_error": 0.5, "energy_se": 0.01, "problem": "crashed"}, []),
+        ({"energy_local": math.inf}, []),
+    ],
+)
+def test_an_interval_wider_than_a_third_of_its_budget_asks_for_more(changes, unsharp):
+    judged = gate.judge(row(**changes), RULES)
+    assert judged.unsharp == unsharp
+    assert gate.settled(judged) == (not unsharp and not judged.undecided)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +158,7 @@ def test_inconclusive_says_how_many_samples_would_decide():
             "missing",
         ),
         ([row(problem="took longer than 5 s")], {}, "fail"),
-        ([row(energy_error=0.05, energy_ci95=(0.04, 0.06))], {}, "inconclusive"),
+        ([row(energy_error=0.05)], {}, "inconclusive"),
         ([row(truth="unoccluded")], {}, "nothing was judged"),
     ],
 )
@@ -126,7 +174,7 @@ def test_a_good_run_passes():
 
 
 def test_inconclusive_passes_where_the_suite_allows_it():
-    rows = [gate.judge(row(energy_error=0.05, energy_ci95=(0.04, 0.06)), RULES)]
+    rows = [gate.judge(row(energy_error=0.05), RULES)]
     assert results(rows, allow_inconclusive=True).verdict == "pass"
 
 
@@ -137,15 +185,15 @@ def test_missing_rows_are_those_the_run_did_not_give():
 
 
 def test_the_worst_row_is_the_one_furthest_over_its_budget():
-    bad = gate.judge(row(object="bad", ssim=0.85, ssim_ci95=(0.84, 0.86)), RULES)
-    worse = gate.judge(row(object="worse", energy_local=0.4, energy_local_ci95=(0.4, 0.4)), RULES)
+    bad = gate.judge(row(object="bad", ssim=0.85), RULES)
+    worse = gate.judge(row(object="worse", energy_local=0.4), RULES)
     broken = gate.judge(row(object="broken", problem="crashed"), RULES)
     order = [r.object for r in gate.worst_first([gate.judge(row(), RULES), bad, worse, broken])]
     assert order == ["broken", "worse", "bad", "silver"]
 
 
 def test_junit_counts_failures_and_missing_rows(tmp_path):
-    failing = gate.judge(row(ssim=0.85, ssim_ci95=(0.84, 0.86)), RULES)
+    failing = gate.judge(row(ssim=0.85), RULES)
     gap = Missing(case="c", object="o", technique="t", truth="global")
     run = results([gate.judge(row(), RULES), failing], missing=[gap])
     ci.write_junit(run, tmp_path / "junit.xml")

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 from skimage.metrics import structural_similarity
 
 from reports.display import display, exposure_for
-from reports.metrics import energy, relmse, ssim
+from reports.metrics import METRICS, energy, flip, relmse, ssim
 from reports.metrics.subject import Subject, TruthView
 
 RNG = np.random.default_rng(7)
@@ -116,7 +117,8 @@ def test_local_energy_sees_a_hue_shift_that_total_energy_misses():
 def test_local_energy_of_a_perfect_candidate_is_not_the_noise():
     truth = picture()
     estimates = [
-        energy.energy_local(subject(truth, noisy(truth, 8, 0.5, seed))).value for seed in range(20)
+        energy.figures(subject(truth, noisy(truth, 8, 0.5, seed)))["energy_local"]
+        for seed in range(20)
     ]
     blind = np.sqrt(np.mean([(0.5 / np.sqrt(8 * 256)) ** 2]))  # what noise alone would give
     assert np.sqrt(np.mean(np.square(estimates))) < blind
@@ -155,7 +157,7 @@ def test_light_where_the_truth_is_black_is_an_error():
     assert energy.energy_local(subject(truth, np.stack([truth] * 8))).value == 0
     half = picture()
     half[:, : SIDE // 2] = 0
-    assert energy.energy_local(subject(half + 0.2, np.stack([half] * 8))).value > 0.3
+    assert energy.energy_local(subject(half + 0.2, np.stack([half] * 8))).value > 0.3**2
 
 
 def test_relmse_of_the_truth_itself_is_nought_whatever_the_noise():
@@ -174,3 +176,103 @@ def test_noise_around_a_thin_object_does_not_raise_its_ssim():
     batches[:, stripe] = noisy(truth, 8, 0.05, seed=2)[:, stripe]
     thin = Subject(truth, TruthView(batches, stripe, 1.0))
     assert ssim.figures(thin)["ssim"] == pytest.approx(1, abs=0.003)
+
+
+WRONG = {
+    "right": lambda truth: truth,
+    "blurred": lambda truth: gaussian_filter(truth, (1.5, 1.5, 0)),
+    "brighter": lambda truth: truth * 1.05,
+    "tilted": lambda truth: truth * np.linspace(0.8, 1.2, SIDE)[None, :, None],
+    "hue-shifted": lambda truth: truth * np.array([1.08, 1, 0.92]),
+}
+NOISY_FIGURES = (
+    ("ssim", "ssim_ci95"),
+    ("ssim_highlights", "ssim_highlights_ci95"),
+    ("energy_error", "energy_ci95"),
+    ("energy_local", "energy_local_ci95"),
+    ("relmse", "relmse_ci95"),
+)
+
+
+@pytest.mark.parametrize("change", WRONG)
+def test_intervals_cover_the_truth_for_right_and_wrong_candidates(change):
+    """At heavy-tailed noise; 40 resamplings bound a coverage of .95 to within .1."""
+    truth = picture() + 0.05
+    candidate = WRONG[change](truth)
+    clean = {}
+    for figures in (ssim.figures, energy.figures, relmse.figures):
+        clean |= figures(subject(candidate, np.stack([truth] * 8)))
+    hits = dict.fromkeys((name for name, _ in NOISY_FIGURES), 0)
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        batches = (truth * rng.gamma(25, 1 / 25, (8, *truth.shape))).astype(np.float32)
+        measured = {}
+        for figures in (ssim.figures, energy.figures, relmse.figures):
+            measured |= figures(subject(candidate, batches))
+        for name, interval in NOISY_FIGURES:
+            low, high = measured[interval]
+            hits[name] += low - 1e-6 <= clean[name] <= high + 1e-6
+    assert min(hits.values()) >= 0.85 * 40, hits
+
+
+def test_every_figure_has_an_interval_that_holds_it():
+    measured = {}
+    for figures in METRICS:
+        measured |= figures(subject(picture() * 1.1, noisy(picture(), 8, 0.1)))
+    for name in ("ssim", "ssim_raw", "ssim_p5", "ssim_highlights", "energy_local", "relmse",
+                 "relmse_median", "flip"):  # fmt: skip
+        low, high = measured[f"{name}_ci95"]
+        assert low < measured[name] < high, name
+    low, high = measured["energy_ci95"]
+    assert low < measured["energy_error"] < high
+    for value, (low, high) in zip(measured["energy_rgb"], measured["energy_rgb_ci95"], strict=True):
+        assert low < value < high
+
+
+def test_the_derivative_of_ssim_is_that_of_its_differences():
+    """By which its standard error stands: one pixel of half A moved, inside and outside."""
+    truth = TruthView(noisy(picture(), 8, 0.1), mask(), 1.0)
+    shown = ssim.shown_at(truth, 1.0)
+    candidate = ssim._Candidate(subject(picture() * 1.1, truth.batches), 1.0)
+    weights = truth.core / truth.core.sum()
+
+    def similarity(a):
+        return (
+            ssim.Map(candidate, ssim.Moments(a, shown.b.image, mask())).value.mean(axis=2) * weights
+        ).sum(dtype=np.float64)
+
+    by_a, _ = ssim.Map(candidate, shown.pair).gradients(weights)
+    for place in ((40, 40, 1), (9, 50, 0), (6, 30, 2)):
+        moved = [shown.a.image.astype(np.float64) for _ in range(2)]
+        moved[0][place] += 1e-3
+        moved[1][place] -= 1e-3
+        slope = (similarity(moved[0]) - similarity(moved[1])) / 2e-3
+        assert slope == pytest.approx(by_a[place], rel=0.02, abs=1e-8)
+
+
+def test_denominators_that_noise_spoils_are_unknown_and_never_sure():
+    """One sample per pixel and heavy tails: nothing is claimed; little noise: all is."""
+    truth = picture() + 0.05
+    rng = np.random.default_rng(3)
+    wild = (truth * rng.gamma(0.02, 1 / 0.02, (8, *truth.shape))).astype(np.float32)
+    measured = ssim.figures(subject(truth, wild)) | energy.figures(subject(truth, wild))
+    for name in ("ssim_ci95", "ssim_p5_ci95", "ssim_highlights_ci95", "energy_local_ci95"):
+        assert np.isnan(measured[name]).all(), name
+    low, high = measured["energy_ci95"]
+    assert low < 0 < high
+
+
+def test_flip_bounds_hold_the_figure_without_noise():
+    truth = picture() + 0.05
+    for candidate in (truth, truth * 1.05, np.roll(truth, 1, axis=0)):
+        clean = flip.figures(subject(candidate, np.stack([truth] * 8)))["flip"]
+        low, high = flip.figures(subject(candidate, noisy(truth, 8, 0.1)))["flip_ci95"]
+        assert low <= clean <= high
+
+
+def test_flip_of_pictures_side_by_side_is_that_of_each_alone():
+    truth = noisy(picture(), 8, 0.1)
+    beside = flip._maps(subject(picture(), truth), [truth[0], truth[1]])
+    for k in range(2):
+        alone = flip._maps(subject(picture(), truth), [truth[k]])[0]
+        assert np.abs(beside[k] - alone)[mask()].max() < 1e-5
