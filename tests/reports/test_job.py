@@ -211,6 +211,46 @@ def test_a_budget_against_physical_is_refused(shadeproof, tmp_path):
     assert "budget.0.truth" in err
 
 
+def test_a_suite_may_mask_mixtures_by_smith(shadeproof, tmp_path):
+    suite = tmp_path / "mine.toml"
+    mixed = "[run.sweep]\nweight = [0.5]\n[[budget]]"
+    suite.write_text(
+        SUITE.format(limit=0.5).replace("[[budget]]", mixed) + '[model]\nmasking = "smith"\n'
+    )
+    assert shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")[0] == 0
+    results = load_results(tmp_path / "out/results.json")
+    (shaders,) = (c for c in results.provenance["parity"] if c["name"] == "BRDF")
+    assert shaders["passed"]
+
+
+EXACT = '[model]\nfresnel = "exact"\n'
+
+
+def test_a_model_that_a_technique_cannot_draw_is_refused(shadeproof, pictures, tmp_path):
+    suite = tmp_path / "mine.toml"
+    suite.write_text(SUITE.format(limit=1.0) + EXACT)
+    code, _, err = shadeproof("compare", "--suite", suite, "--out", tmp_path / "out")
+    assert code == 2
+    assert f"{suite}: model: 'paper' cannot draw fresnel = 'exact'; " in err
+    # What an outside candidate can draw is its own affair.
+    words = ("compare", "--suite", suite, "--out", tmp_path / "out", "--dry-run")
+    assert shadeproof(*words, "--candidate", pictures)[0] == 0
+
+
+def test_exact_fresnel_of_a_bare_f0_is_refused(shadeproof, pictures, tmp_path):
+    (tmp_path / "bare.toml").write_text(
+        "roughness = 0.5\nmetallic = 1.0\nmetal = [0.9, 0.6, 0.5]\n"
+    )
+    suite = tmp_path / "mine.toml"
+    run = 'environments = ["studio"]'
+    suite.write_text(
+        SUITE.format(limit=1.0).replace(run, f'{run}\nmaterials = ["bare.toml"]') + EXACT
+    )
+    code, _, err = shadeproof("compare", "--suite", suite, "--candidate", pictures)
+    assert code == 2
+    assert "model.fresnel: 'bare' gives its metal as F0 alone" in err
+
+
 @pytest.mark.parametrize(("limit", "code"), [(10.0, 0), (0.001, 1)])
 def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limit, code):
     suite = tmp_path / "mine.toml"
