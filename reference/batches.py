@@ -5,14 +5,15 @@ import os
 import platform
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from reference.settings import FEWEST_BATCHES, rounded_samples
+from reference.settings import FEWEST_BATCHES, TRUTHS, Kind, kind_of, rounded_samples
 from reference.store import Store, key
 from reference.variant import mitsuba
 from scenes.frame import Frame
@@ -30,29 +31,43 @@ class PathTracer:
 
     def render(self, case: Case) -> Frame:
         """A picture of the case; see `render_batch`."""
-        return render_batch(case, self.truth, self.samples, self.seed)
+        batch = render_batch(case, kind_of(self.truth), self.samples, self.seed)
+        return truth_of(batch, self.truth)
 
 
-def render_batch(case: Case, truth: Truth, samples: int, seed: int) -> Frame:
-    """Path-trace a case once.
+def truth_of(batch: Frame, truth: Truth) -> Frame:
+    """One truth of a batch as a picture; its layer `diffuse` is light off the diffuse lobe."""
+    picture = batch.layers.get(truth, batch.rgb)
+    diffuse = batch.layers.get(f"{truth}.diffuse", np.zeros_like(picture))
+    return replace(
+        batch,
+        rgb=picture,
+        provenance=batch.provenance | {"truth": truth},
+        layers={"diffuse": diffuse},
+    )
+
+
+def render_batch(case: Case, kind: Kind, samples: int, seed: int) -> Frame:
+    """Path-trace a case once, for every truth of a kind.
 
     Args:
         samples: per pixel; `rounded_samples` of it are taken and recorded.
         seed: batches of different seeds are independent.
 
     Returns:
-        A frame with ids; `seconds` is path tracing alone, without set-up and kernel compilation.
+        A frame with ids: the kind's first truth, the others as layers (see `truth_of`).
+        `seconds` is path tracing alone, without set-up and kernel compilation.
 
     Raises:
         InputError: an input cannot be used, or there is no LLVM to run on.
     """
     start = time.perf_counter()
-    ready = _stage(case, truth)
+    ready = _stage(case, kind)
+    _without_compilation(lambda: ready.control)
     staged = time.perf_counter()
-    rgb, compiling = _without_compilation(lambda: ready.trace(samples, seed))
+    layers, compiling = _without_compilation(lambda: ready.trace(samples, seed))
     traced = time.perf_counter()
     provenance = {
-        "truth": truth,
         "samples": rounded_samples(samples),
         "seed": seed,
         "notes": ready.notes,
@@ -61,12 +76,14 @@ def render_batch(case: Case, truth: Truth, samples: int, seed: int) -> Frame:
         "compile_seconds": compiling,
         **_machine(),
     }
-    return Frame(rgb, ready.ids, traced - staged - compiling, provenance)
+    rgb = layers.pop(TRUTHS[kind][0])
+    shown = {name: layer for name, layer in layers.items() if "." not in name or layer.any()}
+    return Frame(rgb, ready.ids, traced - staged - compiling, provenance, shown)
 
 
 def grow(
     case: Case,
-    truth: Truth,
+    kind: Kind,
     sampling: Sampling,
     enough: Callable[[list[Frame]], bool],
     store: Store,
@@ -84,14 +101,14 @@ def grow(
     Raises:
         InputError: as `render_batch`, or the store cannot be written.
     """
-    identity = key(case, truth, sampling)
-    batches = {f.provenance["batch"]: f for f in store.load(case, truth, sampling)}
+    identity = key(case, kind, sampling)
+    batches = {f.provenance["batch"]: f for f in store.load(case, kind, sampling)}
     most = sampling.max_samples // sampling.samples_per_batch
     target = FEWEST_BATCHES
     while True:
         for number in range(target):
             if number not in batches:
-                batches[number] = _add(case, truth, sampling, number, identity, store)
+                batches[number] = _add(case, kind, sampling, number, identity, store)
                 if progress:
                     progress(len(batches), max(target, len(batches)))
         ordered = [batches[number] for number in sorted(batches)]
@@ -101,12 +118,12 @@ def grow(
 
 
 def _add(
-    case: Case, truth: Truth, sampling: Sampling, number: int, identity: str, store: Store
+    case: Case, kind: Kind, sampling: Sampling, number: int, identity: str, store: Store
 ) -> Frame:
     """Make and store one batch."""
-    frame = render_batch(case, truth, sampling.samples_per_batch, batch_seed(identity, number))
+    frame = render_batch(case, kind, sampling.samples_per_batch, batch_seed(identity, number))
     frame.provenance["batch"] = number
-    store.save(case, truth, sampling, number, frame, _stage(case, truth).traced)
+    store.save(case, kind, sampling, number, frame, _stage(case, kind).traced)
     return frame
 
 
@@ -115,14 +132,14 @@ def batch_seed(identity: str, number: int) -> int:
     return int.from_bytes(hashlib.sha256(f"{identity}/{number}".encode()).digest()[:4], "big")
 
 
-def _stage(case: Case, truth: Truth):
+def _stage(case: Case, kind: Kind):
     """The case made ready; imported late, so that looking into a store starts no Mitsuba."""
     from reference.truths import stage
 
-    return stage(case, truth)
+    return stage(case, kind)
 
 
-def _without_compilation(work: Callable[[], np.ndarray]) -> tuple[np.ndarray, float]:
+def _without_compilation(work: Callable[[], Any]) -> tuple[Any, float]:
     """The result of some work, and the seconds that Dr.Jit spent in it making kernels."""
     import drjit as dr
 

@@ -1,33 +1,39 @@
-"""The truths, and the pixels they are traced for.
+"""The truths of a case made ready, and the pixels they are traced for.
 
-`unoccluded`: the case's model under the environment, without visibility.
-`global`: the case's model with full light transport.
-`physical`: Mitsuba's own materials with full light transport.
+A reference holds every truth that shares its paths:
+
+    model      `unoccluded`, `direct` and `global`: the case's model, see reference.transport
+    physical   `physical`: Mitsuba's own materials with full light transport
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cached_property, lru_cache
 
 import drjit as dr
 import numpy as np
 from scipy.ndimage import binary_dilation
 
 from reference.scene_dict import build_scene, camera_rays, shape_id
-from reference.settings import PATH, SAMPLER, rounded_samples
+from reference.settings import (
+    PILOT_SAMPLES,
+    PILOT_SEED,
+    SAMPLER,
+    SPLIT,
+    Kind,
+    rounded_samples,
+)
+from reference.transport import Transport, model_light, openness, physical_light
 from reference.variant import mitsuba
 from scenes.schema import Case, Material
-from scenes.suite import Truth
 
 mi = mitsuba()
 
 MAX_WAVEFRONT = 1 << 24  # samples in flight; bounds memory to about 2 GB
-Radiance = Callable[[mi.Scene, mi.Sampler, mi.RayDifferential3f], mi.Color3f]
 
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A case made ready for one truth.
+    """A case made ready for one reference.
 
     Attributes:
         traced: (H, W) bool, pixels that need path tracing.
@@ -38,34 +44,56 @@ class Stage:
 
     case: Case
     scene: mi.Scene
-    radiance: Radiance
+    light: Transport
     traced: np.ndarray
     background: np.ndarray
     ids: np.ndarray
     notes: list[str]
 
-    def trace(self, samples: int, seed: int) -> np.ndarray:
+    def trace(self, samples: int, seed: int) -> dict[str, np.ndarray]:
         """Path-trace the pixels that objects touch; the rest is the background.
 
         Args:
             samples: per pixel; `rounded_samples` of it are taken.
 
         Returns:
-            (H, W, 3) float32, linear radiance.
+            By truth (H, W, 3) float32, linear radiance; by "<truth>.diffuse" the part of it off
+            the first hit's diffuse lobe, 0 where nothing is traced.
         """
+        pictures = {}
+        for name, pixels in self._trace(self.light, samples, seed).items():
+            still = self.background if "." not in name else np.zeros_like(self.background)
+            pictures[name] = still.copy()
+            pictures[name][self.traced] = pixels
+        return pictures
+
+    @cached_property
+    def control(self) -> np.ndarray:
+        """The factor of the control variate at each traced pixel, (n,) float32.
+
+        By the square of the share of directions that are open, from paths of its own: under a
+        roof the unoccluded light says nothing, and its noise would only be added.
+        """
+        open_share = self._trace(openness, PILOT_SAMPLES, PILOT_SEED)["openness"][:, 0]
+        return ((1 - 1 / SPLIT) * open_share**2).astype(np.float32)
+
+    def _trace(self, light: Transport, samples: int, seed: int) -> dict[str, np.ndarray]:
+        """Mean radiance (n, 3) of the traced pixels, by the names that `light` gives."""
         samples = rounded_samples(samples)
-        picture = self.background.copy()
         y, x = np.nonzero(self.traced)
-        chunk = max(MAX_WAVEFRONT // samples, 1)
+        control = self.control if light is not openness else np.zeros(len(x), np.float32)
+        chunk, parts = max(MAX_WAVEFRONT // samples, 1), []
         for number, start in enumerate(range(0, len(x), chunk)):
             part = slice(start, start + chunk)
             corner = mi.Point2f(x[part].astype(np.float32), y[part].astype(np.float32))
             # Spread by the golden ratio, so that neighbouring seeds share no chunk.
             own_seed = (seed + number * 0x9E3779B9) % 2**32
-            picture[y[part], x[part]] = self._trace_pixels(corner, samples, own_seed)
-        return picture
+            parts.append(self._trace_pixels(light, corner, control[part], samples, own_seed))
+        return {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
 
-    def _trace_pixels(self, corner: mi.Point2f, samples: int, seed: int) -> np.ndarray:
+    def _trace_pixels(
+        self, light: Transport, corner: mi.Point2f, control: np.ndarray, samples: int, seed: int
+    ) -> dict[str, np.ndarray]:
         """Mean radiance (n, 3) of pixels with upper left corners `corner`.
 
         The samples of a pixel lie next to each other, as the stratified samplers expect.
@@ -76,54 +104,26 @@ class Stage:
         sampler.seed(seed, count)
         pixel = dr.arange(mi.UInt32, count) // dr.opaque(mi.UInt32, samples)
         position = dr.gather(mi.Point2f, corner, pixel) + sampler.next_2d()
-        L = self.radiance(self.scene, sampler, camera_rays(self.scene, self.case, position))
-        return np.stack([dr.block_sum(c, samples).numpy() / samples for c in L], axis=1)
+        factor = dr.gather(mi.Float, mi.Float(control), pixel)
+        L = light(self.scene, sampler, camera_rays(self.scene, self.case, position), factor)
+        dr.eval(L)  # all at once: each alone would trace the paths anew
+        return {
+            name: np.stack([dr.block_sum(c, samples).numpy() / samples for c in colour], axis=1)
+            for name, colour in L.items()
+        }
 
 
 @lru_cache(maxsize=2)
-def stage(case: Case, truth: Truth) -> Stage:
-    """Build the scene of a case for a truth.
+def stage(case: Case, kind: Kind) -> Stage:
+    """Build the scene of a case for a kind of reference.
 
     Raises:
         InputError: an input cannot be used (see `build_scene`).
     """
-    scene, notes = build_scene(case, physical=truth == "physical")
-    radiance = unoccluded if truth == "unoccluded" else _path_tracer()
+    scene, notes = build_scene(case, physical=kind == "physical")
+    light = physical_light if kind == "physical" else model_light
     traced, ids = covered(_bare(case))
-    return Stage(case, scene, radiance, traced, _background(scene, case, ~traced), ids, notes)
-
-
-@cache
-def _path_tracer() -> Radiance:
-    integrator = mi.load_dict(PATH)
-    return lambda scene, sampler, ray: integrator.sample(scene, sampler, ray)[0]
-
-
-def unoccluded(scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f) -> mi.Color3f:
-    """Environment light off the first surface hit, as if nothing stood in its way.
-
-    One sample of the light and one of the BSDF, joined by the power heuristic (Veach 1997, 9.2.4).
-    """
-    light, context = scene.environment(), mi.BSDFContext()
-    si = scene.ray_intersect(ray)
-    hit = si.is_valid()
-    bsdf = si.bsdf(ray)
-    L = light.eval(si, ~hit)
-
-    ds, weight = light.sample_direction(si, sampler.next_2d(), hit)
-    f, density = bsdf.eval_pdf(context, si, si.to_local(ds.d), hit)
-    L += f * weight * _power_heuristic(ds.pdf, density) & (hit & (ds.pdf > 0))
-
-    bs, weight = bsdf.sample(context, si, sampler.next_1d(), sampler.next_2d(), hit)
-    away, ds = dr.zeros(mi.SurfaceInteraction3f), dr.zeros(mi.DirectionSample3f)
-    ds.d = si.to_world(bs.wo)
-    away.wi = -ds.d
-    heuristic = _power_heuristic(bs.pdf, light.pdf_direction(si, ds, hit))
-    return L + (weight * light.eval(away, hit) * heuristic & (hit & (bs.pdf > 0)))
-
-
-def _power_heuristic(own: mi.Float, other: mi.Float) -> mi.Float:
-    return dr.square(own) / (dr.square(own) + dr.square(other))
+    return Stage(case, scene, light, traced, _background(scene, case, ~traced), ids, notes)
 
 
 def _bare(case: Case) -> Case:

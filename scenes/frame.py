@@ -22,6 +22,7 @@ class Frame:
         rgb: (H, W, 3) float32, linear radiance, row 0 on top.
         ids: (H, W) uint8, the object seen at the pixel's centre (1-based as in Case.index),
             0 for the background; None where the maker cannot tell.
+        layers: further pictures of the same size, (H, W, 3) float32 by name.
         seconds: time spent on the picture itself, without set-up.
         provenance: versions, device, seed, samples and other times, ready for JSON.
     """
@@ -30,10 +31,13 @@ class Frame:
     ids: np.ndarray | None = None
     seconds: float = float("nan")
     provenance: dict[str, Any] = field(default_factory=dict)
+    layers: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 def save_frame(frame: Frame, path: Path) -> None:
     """Write `path` (.exr, float32, lossless) and its .json beside it; each appears whole or not.
+
+    Layers are the channels "<name>.R" and so on.
 
     The JSON is written last: a frame without it is unfinished.
 
@@ -41,11 +45,14 @@ def save_frame(frame: Frame, path: Path) -> None:
         InputError: the folder cannot be written or the disk is full.
     """
     record = {"seconds": frame.seconds, "provenance": frame.provenance}
-    record["has_ids"] = frame.ids is not None
+    record |= {"has_ids": frame.ids is not None, "layers": list(frame.layers)}
     channels, names = [frame.rgb.astype(np.float32)], ["R", "G", "B"]
     if frame.ids is not None:
         channels.append(frame.ids[..., None].astype(np.float32))
         names.append("id")
+    for name, layer in frame.layers.items():
+        channels.append(layer.astype(np.float32))
+        names += [f"{name}.{c}" for c in "RGB"]
     pixels = np.ascontiguousarray(np.concatenate(channels, axis=2))
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(names), oiio.FLOAT)
     spec.channelnames = tuple(names)
@@ -80,17 +87,22 @@ def load_frame(path: Path) -> Frame:
     try:
         record = json.loads(beside.read_text())
         seconds, provenance = float(record["seconds"]), dict(record["provenance"])
-        ids = _read_ids(path) if record["has_ids"] else None
+        named = _channels(path) if record["has_ids"] or record["layers"] else {}
+        ids = named["id"].astype(np.uint8) if record["has_ids"] else None
+        layers = {
+            name: np.stack([named[f"{name}.{c}"] for c in "RGB"], axis=2)
+            for name in record["layers"]
+        }
     except (ValueError, KeyError, TypeError):
         return Frame(rgb)
-    return Frame(rgb, ids, seconds, provenance)
+    return Frame(rgb, ids, seconds, provenance, layers)
 
 
-def _read_ids(path: Path) -> np.ndarray:
-    """The `id` channel of one of our own frames, (H, W) uint8."""
+def _channels(path: Path) -> dict[str, np.ndarray]:
+    """Every channel of one of our own frames by name, (H, W) float32 each."""
     image = oiio.ImageBuf(str(path))
-    channel = image.spec().channelnames.index("id")
-    return image.get_pixels(oiio.FLOAT)[..., channel].astype(np.uint8)
+    pixels = image.get_pixels(oiio.FLOAT)
+    return {name: pixels[..., i] for i, name in enumerate(image.spec().channelnames)}
 
 
 def write_text(path: Path, text: str) -> None:
