@@ -5,6 +5,7 @@ import shlex
 import signal
 import sys
 import traceback
+from functools import partial
 from importlib import metadata
 from pathlib import Path
 from typing import Annotated, NoReturn
@@ -138,6 +139,24 @@ def bench(
     from reports.speed import print_timings
 
     print_timings(measure(_job(suite, OUT, store, filter)), console)
+
+
+@app.command()
+def calibrate(
+    store: StoreOption = STORE,
+    filter: FilterOption = "",
+    resamplings: Annotated[int, typer.Option(min=1, help="How often to draw 8 batches.")] = 100,
+) -> None:
+    """Measure whether the intervals hold, on a stored pool of batches; see docs/noise.md."""
+    from reports.calibration import print_tables, resample
+    from reports.progress import reporting
+    from reports.run import pools as make
+
+    records, pools = [], make(_job("calibration", OUT, store, filter))
+    with reporting(resamplings * len(pools)) as progress:
+        for pool in pools:
+            records += resample(pool, resamplings, partial(progress.step, pool.name))
+    print_tables(records, pools, console)
 
 
 @app.command()
