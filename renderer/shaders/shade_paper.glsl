@@ -9,7 +9,9 @@ uniform sampler2D prefiltered_ggx;      // rgb: sum of L n.l D/p, a: sum of n.l 
 uniform sampler2D prefiltered_beckmann; // the same, over the same GGX samples
 uniform sampler2D table_ggx;            // scale and bias for D_ggx with G_smith, with G_vcavity
 uniform sampler2D table_beckmann;       // the same for D_beckmann
-uniform sampler2D table_smith;          // scale and bias of this material under masking `smith`
+#ifdef MASKING_SMITH
+uniform sampler2D table_smith;          // scale and bias of this material
+#endif
 uniform float prefilter_levels;
 
 // Every quantity is linear in the weights, so one precomputation serves all of them; only the

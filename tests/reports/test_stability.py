@@ -44,7 +44,7 @@ def test_a_difference_of_twice_the_tolerance_is_seen():
 def furnace(f, alpha: float, degrees: list[float]) -> np.ndarray:
     """The weak white furnace: the area of visible facets over the area that they should have, (n,).
 
-    ∫ G1(wo) max(wo·h, 0) D(h) dh / n·wo, which is 1 for any Smith masking (Heitz 2014, eq. 11). D
+    ∫ G1(wo) max(wo·h, 0) D(h) dh / n·wo, which is 1 for any Smith masking (Heitz 2014). D
     and G1 are read off a BRDF of white facets alone: at h = n (wi mirrors wo) it is
     D(n) G1(wo)² / (4 n·wo²), and at wi = wo = h it is D(h) G1(h)² / (4 n·h²).
     """
