@@ -1,5 +1,6 @@
 """SSIM (Wang et al. 2004) per channel after the display transform, without the truth's noise."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -255,11 +256,9 @@ class Maps:
         around = [float(w @ v) for w, v in zip(nearby, values, strict=True)]
         weights = np.zeros(self.core.shape)
         weights[self.core] = nearby[0]
-        # The correction is a rough one: a third of it is counted as one more standard error.
-        moved = (around[0] - _debiased(around)) / 3
         found = float(np.percentile(values[0], 100 * WORST))
-        shift = found - around[0]
-        return self._estimate([value + shift for value in around], weights).plus(moved)
+        shifted = [value + found - around[0] for value in around]
+        return self._estimate(shifted, weights).plus(_roughness(around))
 
     def raw(self, value: float) -> Estimate:
         """A plain SSIM, with the spread that the mean of all batches gives it."""
@@ -281,6 +280,18 @@ class Maps:
         by_a, by_b = self.map.gradients(weights)
         noises = self.shown.a.noise(by_a), self.shown.b.noise(by_b)
         return Estimate(_debiased(values), *combined(np.stack(noises), self.shown.a.dof))
+
+
+def _roughness(values: list[float]) -> float:
+    """How well the correction of `_debiased` is known, as a standard error.
+
+    Both halves of the batches tell the same bias apart, and a quarter of it may be of higher
+    order: at a percentile noise does not enter as smoothly as into a mean.
+    """
+    if len(values) == 1:
+        return 0.0
+    by_a, by_b = (sum(values[k : k + 2]) / 2 - values[0] for k in (1, 3))
+    return math.hypot(by_a - by_b, (by_a + by_b) / 4)
 
 
 def _debiased(values: list[float]) -> float:
