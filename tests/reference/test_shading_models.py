@@ -178,7 +178,7 @@ def test_a_reference_is_keyed_by_what_its_model_reads(make_case):
     same_f0 = copper.model_copy(update={"metal": other})
 
     def key(material, model):
-        return contents(make_case(material=material, model=model), "global", Sampling())
+        return contents(make_case(material=material, model=model), "model", Sampling())
 
     assert key(copper, PAPER)["objects"] == key(same_f0, PAPER)["objects"]
     assert key(copper, EXACT)["objects"] != key(same_f0, EXACT)["objects"]

@@ -259,7 +259,7 @@ def test_masks_agree_with_the_reference_at_any_size(light, make_case, copper, un
     ball = ("sphere", copper(0.2), {"position": (0, 0, unit), "scale": unit})
     floor = ("plane", PLASTIC, {"scale": side * unit})
     case = make_case(light(1.0), ball, floor, size=(160, 120), camera=camera)
-    expected = render_batch(case, "unoccluded", 1, 1).ids
+    expected = render_batch(case, "model", 1, 1).ids
     assert set(np.unique(expected)) == {0, 1, 2}
     # Grazed edges of triangles may fall to either side.
     assert (object_ids(case) != expected).mean() < 1e-3
