@@ -18,3 +18,7 @@ class InputError(Exception):
         place = f"{where}: {field}" if field else str(where)
         # A name or a library's message may hold line breaks; what ends in a terminal may not.
         super().__init__(" ".join(f"{place}: {problem}; {remedy}".split()))
+
+    def __reduce__(self) -> tuple:
+        """Pickled by its four parts, so that it comes back whole from another process."""
+        return type(self), (self.where, self.field, self.problem, self.remedy)

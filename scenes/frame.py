@@ -1,8 +1,11 @@
 """Frame: one answer to a case, in memory and on disk as EXR plus JSON."""
 
+import errno
 import json
 import os
-from contextlib import suppress
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,6 +15,7 @@ import OpenImageIO as oiio
 
 from scenes.environment import read_pixels
 from scenes.errors import InputError
+from scenes.schema import file_digest
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +43,8 @@ def save_frame(frame: Frame, path: Path) -> None:
 
     Layers are the channels "<name>.R" and so on.
 
-    The JSON is written last: a frame without it is unfinished.
+    The JSON is written last and holds the picture's SHA-256: a frame is finished where the two
+    agree, so that whoever is killed between them, or damages one of them, leaves none.
 
     Raises:
         InputError: the folder cannot be written or the disk is full.
@@ -54,24 +59,27 @@ def save_frame(frame: Frame, path: Path) -> None:
         channels.append(layer.astype(np.float32))
         names += [f"{name}.{c}" for c in "RGB"]
     pixels = np.ascontiguousarray(np.concatenate(channels, axis=2))
+    with written_aside(path) as aside:
+        _write_exr(aside, pixels, names)
+        record["sha256"] = file_digest(aside)
+    write_text(path.with_suffix(".json"), json.dumps(record, indent=1))
+
+
+def _write_exr(path: Path, pixels: np.ndarray, names: list[str]) -> None:
+    """Write pixels (H, W, C) float32.
+
+    Raises:
+        OSError: with the system's own reason, which OpenImageIO's message does not tell.
+    """
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(names), oiio.FLOAT)
     spec.channelnames = tuple(names)
     spec.attribute("compression", "zip")
-    aside = path.with_name(f".{os.getpid()}-{path.name}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        image = oiio.ImageOutput.create(str(aside))
-        if not (image.open(str(aside), spec) and image.write_image(pixels) and image.close()):
-            raise OSError(image.geterror() or "write failed")
-        path.with_suffix(".json").unlink(missing_ok=True)
-        os.replace(aside, path)
-        write_text(path.with_suffix(".json"), json.dumps(record, indent=1))
-    except OSError as error:
-        with suppress(OSError):
-            aside.unlink(missing_ok=True)
-        raise InputError(
-            path, "", f"cannot be written ({error})", "free or choose a folder"
-        ) from error
+    image = oiio.ImageOutput.create(str(path))
+    if image.open(str(path), spec) and image.write_image(pixels) and image.close():
+        return
+    said = image.geterror() or "write failed"
+    path.write_bytes(bytes(pixels.nbytes))  # the same room: fails as it did, for a reason
+    raise OSError(errno.EIO, said)
 
 
 def load_frame(path: Path) -> Frame:
@@ -87,13 +95,15 @@ def load_frame(path: Path) -> Frame:
     try:
         record = json.loads(beside.read_text())
         seconds, provenance = float(record["seconds"]), dict(record["provenance"])
+        if record["sha256"] != file_digest(path):
+            return Frame(rgb)
         named = _channels(path) if record["has_ids"] or record["layers"] else {}
         ids = named["id"].astype(np.uint8) if record["has_ids"] else None
         layers = {
             name: np.stack([named[f"{name}.{c}"] for c in "RGB"], axis=2)
             for name in record["layers"]
         }
-    except (ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError):
         return Frame(rgb)
     return Frame(rgb, ids, seconds, provenance, layers)
 
@@ -107,14 +117,28 @@ def _channels(path: Path) -> dict[str, np.ndarray]:
 
 def write_text(path: Path, text: str) -> None:
     """Write a text file aside and rename it, so that a reader never sees half of it."""
-    aside = path.with_name(f".{os.getpid()}-{path.name}")
+    with written_aside(path) as aside:
+        aside.write_text(text)
+
+
+@contextmanager
+def written_aside(path: Path) -> Iterator[Path]:
+    """A path to write, beside `path` and hidden; it becomes `path` if the block ends well.
+
+    Two runs may share a folder, from two machines too: the name is drawn, not the process's.
+
+    Raises:
+        InputError: the folder cannot be written or the disk is full; nothing is left then.
+    """
+    aside = path.with_name(f".{secrets.token_hex(4)}-{path.name}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        aside.write_text(text)
+        yield aside
         os.replace(aside, path)
-    except OSError as error:
+    except BaseException as error:
         with suppress(OSError):
             aside.unlink(missing_ok=True)
-        raise InputError(
-            path, "", f"cannot be written ({error})", "free or choose a folder"
-        ) from error
+        if not isinstance(error, OSError):
+            raise
+        problem = f"cannot be written ({error.strerror or error})"
+        raise InputError(path, "", problem, "free some room, or choose another folder") from error

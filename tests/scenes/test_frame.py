@@ -1,13 +1,15 @@
 """Frames on disk: whole, exact, or not there."""
 
 import json
-from types import SimpleNamespace
+import pickle
+import subprocess
+import sys
 
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 
 from scenes import frame as module
+from scenes.errors import InputError
 from scenes.frame import Frame, load_frame, save_frame, write_text
 
 RNG = np.random.default_rng(3)
@@ -78,7 +80,7 @@ def test_a_write_that_is_killed_leaves_the_old_frame(tmp_path, monkeypatch):
     np.testing.assert_array_equal(load_frame(path).rgb, RGB)
 
 
-def test_a_frame_without_its_record_is_unfinished(tmp_path, monkeypatch):
+def test_a_new_picture_beside_the_old_record_is_unfinished(tmp_path, monkeypatch):
     path = tmp_path / "frame.exr"
     save_frame(Frame(RGB, IDS, 1.0), path)
 
@@ -88,7 +90,20 @@ def test_a_frame_without_its_record_is_unfinished(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "write_text", killed)
     with pytest.raises(Killed):
         save_frame(Frame(2 * RGB, IDS, 2.0), path)
-    assert not path.with_suffix(".json").exists()  # not the old one beside the new picture
+    assert load_frame(path).ids is None
+
+
+def test_the_same_picture_written_again_is_finished_throughout(tmp_path, monkeypatch):
+    path = tmp_path / "frame.exr"
+    save_frame(Frame(RGB, IDS, 1.0), path)
+
+    def killed(*_):
+        raise Killed
+
+    monkeypatch.setattr(module, "write_text", killed)
+    with pytest.raises(Killed):
+        save_frame(Frame(RGB, IDS, 2.0), path)
+    assert load_frame(path).seconds == 1.0
 
 
 @pytest.mark.parametrize("save", ["frame", "text"])
@@ -99,18 +114,31 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path, refused, save):
     refused(
         lambda: save_frame(Frame(RGB), path) if with_frame else write_text(path, "{}"),
         "frame.exr",
-        "cannot be written",
-        "choose a folder",
+        "cannot be written (File exists)",
+        "choose another folder",
     )
 
 
-def test_a_full_disk_is_refused_and_leaves_nothing(tmp_path, refused, monkeypatch):
-    full = SimpleNamespace(
-        open=lambda *_: True, write_image=lambda _: False, geterror=lambda: "No space left"
+FULL = """
+import resource, sys
+import numpy as np
+from pathlib import Path
+from scenes.frame import Frame, save_frame, write_text
+resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+noise = np.random.default_rng(0).random((64, 64, 3), np.float32)
+path = Path(sys.argv[1]) / "frame.exr"
+save_frame(Frame(noise), path) if sys.argv[2] == "frame" else write_text(path, "x" * 9999)
+"""
+
+
+@pytest.mark.parametrize("save", ["frame", "text"])
+def test_a_file_that_the_system_cuts_off_is_refused_and_leaves_nothing(tmp_path, save):
+    command = [sys.executable, "-c", FULL, str(tmp_path), save]
+    answer = subprocess.run(command, capture_output=True, text=True)
+    last = answer.stderr.splitlines()[-1]
+    assert last.endswith(
+        "frame.exr: cannot be written (File too large); free some room, or choose another folder"
     )
-    monkeypatch.setattr(oiio.ImageOutput, "create", lambda _: full)
-    path = tmp_path / "frame.exr"
-    refused(lambda: save_frame(Frame(RGB), path), "frame.exr", "No space left", "free")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -118,3 +146,9 @@ def test_text_appears_whole(tmp_path):
     write_text(tmp_path / "a" / "results.json", json.dumps({"α": 1}))
     assert json.loads((tmp_path / "a" / "results.json").read_text()) == {"α": 1}
     assert len(list((tmp_path / "a").iterdir())) == 1
+
+
+def test_a_mistake_comes_back_whole_from_another_process():
+    error = InputError("suite.toml", "truths", "is empty", "name one")
+    again = pickle.loads(pickle.dumps(error))
+    assert (type(again), str(again), vars(again)) == (InputError, str(error), vars(error))
