@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 
 from renderer.context import context, device
-from renderer.features import Technique, features, split_samples
+from renderer.features import FINE, Technique, features, split_samples
 from renderer.geometry import buffers
 from renderer.precompute import Maps, precomputed
 from renderer.precompute.brdf_table import smith_table
@@ -112,7 +112,7 @@ class Renderer:
 
     def _draw(self, obj: Object, model: Model, camera: View, turn: float, maps: Maps) -> Draw:
         material = obj.material
-        defines = features(material, model)
+        defines = features(material, model, self.technique.diffuse)
         shader = program("mesh.vert", "mesh.frag", defines, self.technique.shade)
         if self.technique.own_table(model):
             maps = maps | {"table_smith": smith_table(material).texture}
@@ -127,6 +127,7 @@ class Renderer:
             "prefilter_levels": float(LEVELS),
             "environment_turn": turn,
         }
+        maps = maps | {n: maps[f"{n}{FINE}"] for n in self.technique.fine if f"{n}{FINE}" in maps}
         vertices = vertex_array(obj.mesh, shader)
         return Draw(vertices, shader, uniforms, maps, _culled(obj, camera))
 

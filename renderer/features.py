@@ -6,7 +6,7 @@ that have it.
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from scenes.schema import PAPER, Material, Model
 
@@ -36,6 +36,8 @@ LOBES = (
     Feature("DIFFUSE", lambda m: max(m.diffuse_albedo) > 0, ("irradiance_map",)),
 )
 
+FINE = "_fine"  # ends the names of maps made much more finely than a technique would
+
 # What the shaders can draw of a model. Truths cover all of it.
 DRAWN = {
     "fresnel": ("schlick",),
@@ -56,6 +58,8 @@ class Technique:
         supersample: whole pixels drawn per pixel and axis, box-filtered.
         filtered: look each sample up in a mip as large as its share of directions; without,
             the result has no bias and all of the noise.
+        diffuse: with the diffuse lobe's light; without, only the specular lobes' is left.
+        fine: maps made so finely that their own error is gone, to tell it from others.
     """
 
     name: str
@@ -64,6 +68,8 @@ class Technique:
     msaa: int = 4
     supersample: int = 1
     filtered: bool = True
+    diffuse: bool = True
+    fine: tuple[str, ...] = ()
 
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
@@ -71,7 +77,8 @@ class Technique:
             return ()
         read = [f for f in LOBES if f.needed(material)]
         tables = () if self.own_table(model) else tuple(t for f in read for t in f.tables)
-        return tuple(m for f in read for m in f.maps) + tables
+        names = tuple(m for f in read for m in f.maps) + tables
+        return tuple(f"{n}{FINE}" if n in self.fine else n for n in names)
 
     def own_table(self, model: Model) -> bool:
         """Whether each material has a table of its own: `smith` is not linear in the weights."""
@@ -104,10 +111,28 @@ def technique(name: str) -> Technique:
     raise ValueError(f"unknown technique '{name}'; known: {known}")
 
 
-def features(material: Material, model: Model = PAPER) -> frozenset[str]:
+def switched(base: Technique, model: Model = PAPER) -> dict[str, Technique]:
+    """A technique with single switches thrown, by what they tell apart.
+
+    `specular` leaves out the diffuse lobe's light; under the split sum `irradiance map` and `table`
+    are free of the error of that map (where `table` is shared by all materials).
+    """
+    thrown = {"specular": replace(base, diffuse=False)}
+    if not base.samples:
+        thrown["irradiance map"] = replace(base, fine=("irradiance_map",))
+        if not base.own_table(model):
+            thrown["table"] = replace(base, fine=("table_ggx", "table_beckmann"))
+    return thrown
+
+
+def features(material: Material, model: Model = PAPER, diffuse: bool = True) -> frozenset[str]:
     """The names of the features that a material needs under a model."""
-    needed = frozenset(f.name for f in LOBES if f.needed(material))
-    return needed | ({"MASKING_SMITH"} if model.masking == "smith" else set())
+    needed = {f.name for f in LOBES if f.needed(material)}
+    if model.masking == "smith":
+        needed.add("MASKING_SMITH")
+    if not diffuse:
+        needed.add("SPECULAR_LIGHT")  # the lobe stays, or its share of the samples would go
+    return frozenset(needed)
 
 
 def split_samples(material: Material, samples: int) -> tuple[int, int, int]:

@@ -9,7 +9,7 @@ from scenes.errors import InputError
 from scenes.frame import write_text
 from scenes.suite import Budget
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 Verdict = Literal["pass", "fail", "inconclusive", "reported"]
 
 
@@ -107,6 +107,53 @@ class Row(Record):
     note: str = ""
 
 
+class Figured(Record):
+    """A figure with its 95 % interval."""
+
+    value: Figure
+    low: Figure
+    high: Figure
+
+
+class Cause(Record):
+    """A cause of error, or the total of them.
+
+    `energy` is signed light as a fraction of the last truth's, `diffuse` the diffuse lobe's part
+    of it; `local` is the signed share of local energy, `ssim` the step that SSIM takes. `parent`
+    is the cause that this one is a part of.
+    """
+
+    name: str
+    parent: str = ""
+    energy: Figured
+    diffuse: Figured | None = None
+    local: Figured
+    ssim: Figured | None = None
+
+
+class Ladder(Record):
+    """The error of one object by cause, up to the last truth that there is.
+
+    The causes without a parent sum to `total` within the gaps, which come from different batches.
+    `missing` says how much of the occlusion and interreflection the candidate lacks (1 is all).
+    """
+
+    case: str
+    object: str
+    technique: str
+    truth: str
+    causes: list[Cause]
+    total: Cause
+    energy_gap: Figured
+    local_gap: Figured
+    missing: dict[str, Figured] = Field(default_factory=dict)
+
+    @property
+    def closes(self) -> bool:
+        """Whether both gaps' intervals hold 0."""
+        return all(g.low <= 0 <= g.high for g in (self.energy_gap, self.local_gap))
+
+
 class Missing(Record):
     """A row that the suite asks for and the run did not give."""
 
@@ -136,7 +183,7 @@ class CaseRecord(Record):
 class Results(Record):
     """One run of a suite."""
 
-    schema_version: Literal[1] = SCHEMA_VERSION
+    schema_version: Literal[2] = SCHEMA_VERSION
     suite: str
     suite_path: str
     description: str
@@ -151,6 +198,7 @@ class Results(Record):
     cases: list[CaseRecord]
     budgets: list[Budget]
     rows: list[Row]
+    ladders: list[Ladder] = Field(default_factory=list)
     verdict: Literal["pass", "fail"]
     reasons: list[str]
 

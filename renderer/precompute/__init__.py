@@ -16,10 +16,13 @@ BASE = "radiance_map"
 # Each maker takes the radiance map and returns one or more maps by name.
 MAKERS: dict[str, Callable[[moderngl.Texture], Maps]] = {
     "irradiance_map": irradiance.make,
+    "irradiance_map_fine": irradiance.make_fine,
     "prefiltered_ggx": prefilter.make,
     "prefiltered_beckmann": prefilter.make,
     "table_ggx": brdf_table.make,
     "table_beckmann": brdf_table.make,
+    "table_ggx_fine": brdf_table.make_fine,
+    "table_beckmann_fine": brdf_table.make_fine,
 }
 
 

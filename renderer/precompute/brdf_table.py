@@ -20,6 +20,7 @@ from scenes.schema import Material
 
 SIZE = (128, 128)
 SAMPLES = 1024
+FINE_SIZE, FINE_SAMPLES = (256, 256), 4096
 
 
 def make(_radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
@@ -27,13 +28,23 @@ def make(_radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
 
     x is n.v, y is roughness. The environment is not read.
     """
+    return _made(SIZE, SAMPLES, "")
+
+
+def make_fine(_radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
+    """The same with a quarter of the texels' area and 4 times the samples."""
+    return _made(FINE_SIZE, FINE_SAMPLES, "_fine")
+
+
+def _made(size: tuple[int, int], samples: int, ending: str) -> dict[str, moderngl.Texture]:
     gl = context()
-    made = {name: gl.texture(SIZE, 4, dtype="f4") for name in ("table_ggx", "table_beckmann")}
+    names = [f"table_ggx{ending}", f"table_beckmann{ending}"]
+    made = {name: gl.texture(size, 4, dtype="f4") for name in names}
     for texture in made.values():
         texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         texture.repeat_x = texture.repeat_y = False
     shader = program("fullscreen.vert", "brdf_table.frag")
-    set_uniforms(shader, count=SAMPLES)
+    set_uniforms(shader, count=samples)
     framebuffer = gl.framebuffer(list(made.values()))
     fill(framebuffer, shader)
     release(framebuffer)

@@ -12,7 +12,7 @@ vec3 brdf(vec3 wi, vec3 wo, Material m) {
     float D = D_mixture(h, m.alpha, m.weight_d);
     float G = G_mixture(wi, wo, h, wo_h, m.alpha, m.weight_g);
     vec3 f = F * (D * G / (4.0 * wi.z * wo.z));
-#ifdef DIFFUSE
+#if defined(DIFFUSE) && !defined(SPECULAR_LIGHT)
     f += (1.0 - F) * m.albedo * INV_PI;
 #endif
     return f;

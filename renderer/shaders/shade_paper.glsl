@@ -49,7 +49,7 @@ vec3 shade(vec3 n, vec3 v, Material m) {
     float cos_theta = dot(n, v);
     vec2 ab = scale_bias(cos_theta, m);
     vec3 L = prefiltered(reflect(-v, n), m) * (m.f0 * ab.x + ab.y);
-#ifdef DIFFUSE
+#if defined(DIFFUSE) && !defined(SPECULAR_LIGHT)
     // The paper takes kd out of the integral, so F is known only at the view angle.
     vec3 kd = 1.0 - F_schlick(m.f0, cos_theta);
     vec2 uv = latlong_from_direction(n, environment_turn);

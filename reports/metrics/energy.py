@@ -114,29 +114,42 @@ def rooted(square: Estimate) -> tuple[float, float, float]:
 def block_errors(subject: Subject) -> np.ndarray:
     """The signed energy error of each block spread over its pixels, (h, w); NaN off the object."""
     mask = subject.truth.mask
-    labels = _labels(subject)
+    labels = _labels(mask.shape, subject.truth.corner)
     candidate = np.bincount(labels[mask], subject.candidate[mask].mean(axis=1))
     truth = np.bincount(labels[mask], subject.truth.mean[mask].mean(axis=1))
     errors = candidate / np.maximum(truth, 1e-30) - 1
     return np.where(mask, errors[np.where(mask, labels, 0)], np.nan)
 
 
-def _labels(subject: Subject) -> np.ndarray:
+def block_sums(pixels: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Pixels (H, W, 3 or 1) of a whole picture summed over an object's blocks, (3 blocks,)."""
+    labels, count = _numbered(_labels(mask.shape, (0, 0))[mask])
+    inside = np.broadcast_to(pixels, (*mask.shape, 3))[mask]
+    return np.stack([np.bincount(labels, c, count) for c in inside.T], axis=1).ravel()
+
+
+def _numbered(labels: np.ndarray) -> tuple[np.ndarray, int]:
+    """Labels as numbers from 0, and how many there are."""
+    found, inverse = np.unique(labels, return_inverse=True)
+    return inverse, len(found)
+
+
+def _labels(shape: tuple[int, int], corner: tuple[int, int]) -> np.ndarray:
     """The number of the block that each pixel lies in, (h, w); blocks lie on the picture's grid."""
-    height, width = subject.truth.mask.shape
-    top, left = subject.truth.corner
-    rows = (np.arange(height) + top) // BLOCK - top // BLOCK
-    columns = (np.arange(width) + left) // BLOCK - left // BLOCK
+    rows, columns = (
+        (np.arange(size) + start) // BLOCK - start // BLOCK
+        for size, start in zip(shape, corner, strict=True)
+    )
     return rows[:, None] * (columns[-1] + 1) + columns
 
 
 def _blocks(subject: Subject) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Pixels (b,), candidate (b, 3) and batches (n, b, 3) summed over the object's blocks."""
     mask = subject.truth.mask
-    labels, inverse = np.unique(_labels(subject)[mask], return_inverse=True)
+    inverse, count = _numbered(_labels(mask.shape, subject.truth.corner)[mask])
 
     def summed(pixels: np.ndarray) -> np.ndarray:
-        return np.stack([np.bincount(inverse, pixels[:, c], len(labels)) for c in range(3)], axis=1)
+        return np.stack([np.bincount(inverse, pixels[:, c], count) for c in range(3)], axis=1)
 
     batches = np.stack([summed(batch[mask]) for batch in subject.truth.groups])
     return np.bincount(inverse).astype(float), summed(subject.candidate[mask]), batches

@@ -1,0 +1,327 @@
+"""Error by cause: how far each thing that a real-time renderer leaves out takes it from the truth.
+
+The truths T1 to T4 are a ladder: without visibility, with shadows, with full transport, with
+physical materials. R is the candidate and E = R - T. Then integration = E1, occlusion = E2 - E1,
+interreflection = E3 - E2 and model = E4 - E3 sum to the total error E4. Each is a signed sum of
+pictures, so integration and model can be split further wherever there is a picture in between.
+
+Steps come from one half of each reference's batches and the total from the other, so that the sum
+can fail to close.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reports.metrics.energy import block_sums
+from reports.noise import Estimate, combined, jackknife, pairs, pairs_without_each
+from reports.results import Cause, Figured, Ladder, Row
+from scenes.frame import Frame
+from scenes.schema import Case, Object
+
+RUNGS = ("unoccluded", "direct", "global", "physical")
+NAMES = ("integration", "occlusion", "interreflection", "model")
+MODEL_STEPS = ("Fresnel", "kd", "masking")  # from `global` to `physical`, in this order
+FEWEST = 4  # batches of each reference: two in each half
+Terms = Sequence[tuple[int, str]]  # signs and names of pictures
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A candidate's picture of a case, and the same with single switches thrown.
+
+    Attributes:
+        whole: linear radiance, (H, W, 3).
+        specular: the same without the light of the diffuse lobe; None where it cannot be had.
+        refined: the same with one precomputed map free of its own error, by the map's name.
+    """
+
+    whole: np.ndarray
+    specular: np.ndarray | None = None
+    refined: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A cause: its error as a signed sum of pictures, and the diffuse lobe's part of that."""
+
+    name: str
+    terms: Terms
+    diffuse: Terms = ()
+    parent: str = ""
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """Pictures of an object as light in cells, by name.
+
+    Attributes:
+        cells: (n, c): n batches of a truth, or 1 for a candidate; c cells.
+        source: the reference that a picture's batches belong to, so that what shares its paths is
+            subtracted path by path; empty for a candidate, which has no noise here.
+    """
+
+    cells: dict[str, np.ndarray]
+    source: dict[str, str]
+
+    def total(self, terms: Terms, half: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """A signed sum of pictures, (c,), and its variance.
+
+        Args:
+            half: 0 or 1 for the even or the odd batches, None for all.
+        """
+        chosen = slice(half, None, None if half is None else 2)
+        value, variance = 0.0, 0.0
+        for source in dict.fromkeys(self.source[name] for _, name in terms):
+            own = [(sign, name) for sign, name in terms if self.source[name] == source]
+            if not source:
+                value = value + sum(sign * self.cells[name][0] for sign, name in own)
+                continue
+            batches = sum(sign * self.cells[name][chosen] for sign, name in own)
+            value = value + batches.mean(axis=0)
+            variance = variance + batches.var(axis=0, ddof=1) / len(batches)
+        return value, variance + np.zeros_like(value)
+
+    def least(self) -> int:
+        """The fewest batches of any truth."""
+        return min(len(c) for n, c in self.cells.items() if self.source[n])
+
+
+def ladder(
+    case: Case,
+    obj: Object,
+    technique: str,
+    drawn: Drawn,
+    truths: dict[str, list[Frame]],
+    rows: Iterable[Row],
+) -> Ladder | None:
+    """The causes of one object's error; None where there are too few rungs or batches for it.
+
+    Args:
+        truths: batches by truth, each with the layer `diffuse`; under the names in MODEL_STEPS
+            those of the models in between `global` and `physical`.
+        rows: the object's rows, one a truth, for the steps of SSIM.
+    """
+    rungs = [r for r in RUNGS if r in truths]
+    if rungs != list(RUNGS[: len(rungs)]) or len(rungs) < 2:
+        return None
+    ids = truths[rungs[0]][0].ids
+    mask = ids == case.index(obj.name)
+    wrong = not np.isfinite(drawn.whole).all() or drawn.whole.shape[:2] != ids.shape
+    if wrong or not mask.any() or min(len(b) for b in truths.values()) < FEWEST:
+        return None
+    last, whole = rungs[-1], ((1, "candidate"), (-1, rungs[-1]))
+    steps = [*_steps(rungs, drawn, truths)]
+    pixels = _pictures(drawn, truths, lambda rgb: rgb[mask].mean(axis=1, dtype=np.float64))
+    blocks = _pictures(drawn, truths, lambda rgb: block_sums(rgb, mask))
+    energy, local = Energy(pixels, last), Local(blocks, block_sums(mask[..., None], mask), last)
+    ssim = {r.truth: Estimate(r.ssim, r.ssim_se, r.ssim_dof) for r in rows}
+    causes = [
+        Cause(
+            name=step.name,
+            parent=step.parent,
+            energy=_figured(energy.of(step.terms, 0)),
+            diffuse=_figured(energy.of(step.diffuse, 0)) if step.diffuse else None,
+            local=_figured(local.share(step.terms)),
+            ssim=_ssim_step(step.name, rungs, ssim),
+        )
+        for step in steps
+    ]
+    top = [s for s in steps if not s.parent]
+    summed = [term for s in top for term in s.terms]
+    return Ladder(
+        case=case.id,
+        object=obj.name,
+        technique=technique,
+        truth=last,
+        causes=causes,
+        total=Cause(
+            name="total",
+            energy=_figured(energy.of(whole, 1)),
+            local=_figured(local.total),
+            ssim=_figured(_less(ssim.get(last), Estimate(1.0))),
+        ),
+        energy_gap=_figured(energy.gap(summed, whole)),
+        local_gap=_figured(local.gap(summed)),
+        missing=_missing(blocks) if "global" in rungs else {},
+    )
+
+
+def _steps(rungs: Sequence[str], drawn: Drawn, truths: dict[str, list[Frame]]) -> Iterable[Step]:
+    """The causes between the rungs that there are, each followed by its own parts."""
+    parts = drawn.specular is not None
+    diffuse = ((1, "candidate"), (-1, "specular"), (-1, f"{rungs[0]}.diffuse")) if parts else ()
+    yield Step(NAMES[0], ((1, "candidate"), (-1, rungs[0])), diffuse)
+    if drawn.refined and parts:
+        yield from _integration(rungs[0], drawn)
+    for below, above, name in zip(rungs, rungs[1:], NAMES[1:], strict=False):
+        yield _between(name, below, above)
+        if above == "physical" and all(m in truths for m in MODEL_STEPS[:-1]):
+            places = [below, *MODEL_STEPS[:-1], above]
+            for a, b, part in zip(places, places[1:], MODEL_STEPS, strict=False):
+                yield _between(part, a, b, name)
+
+
+def _between(name: str, below: str, above: str, parent: str = "") -> Step:
+    """What the candidate is wrong by, since it stays where it is, when the truth moves on."""
+    diffuse = (1, f"{below}.diffuse"), (-1, f"{above}.diffuse")
+    return Step(name, ((1, below), (-1, above)), diffuse, parent)
+
+
+def _integration(truth: str, drawn: Drawn) -> Iterable[Step]:
+    """Parts of the integration error of the split sum, by its maps."""
+    if (drawn.whole != drawn.specular).any():
+        fine = "irradiance map"
+        own = (1, "candidate"), (-1, fine)
+        yield Step(fine, own, own, NAMES[0])
+        rest = (1, fine), (-1, "specular"), (-1, f"{truth}.diffuse")
+        yield Step("kd at n·v", rest, rest, NAMES[0])
+    yield Step("table", ((1, "candidate"), (-1, "table")), (), NAMES[0])
+    split = (1, "table"), (-1, "candidate"), (1, "specular"), (-1, truth), (1, f"{truth}.diffuse")
+    yield Step("prefilter", split, (), NAMES[0])
+
+
+def _pictures(drawn: Drawn, truths: dict[str, list[Frame]], cells) -> Pictures:
+    """Everything that steps are made of, as light in cells."""
+    own = {"candidate": drawn.whole, **drawn.refined}
+    if drawn.specular is not None:
+        own["specular"] = drawn.specular
+    made = {name: cells(rgb)[None] for name, rgb in own.items()}
+    source = dict.fromkeys(made, "")
+    for name, batches in truths.items():
+        # The three truths of one model share their paths.
+        shared = "model" if name in RUNGS[:3] else name
+        made[name] = np.stack([cells(b.rgb) for b in batches])
+        made[f"{name}.diffuse"] = np.stack([cells(b.layers["diffuse"]) for b in batches])
+        source |= {name: shared, f"{name}.diffuse": shared}
+    return Pictures(made, source)
+
+
+class Energy:
+    """Errors of the light on the whole object, over the last truth's; cells are pixels."""
+
+    def __init__(self, pictures: Pictures, last: str) -> None:
+        self.pictures = pictures
+        self.dof = pictures.least() // 2 - 1
+        light, variance = pictures.total([(1, last)])
+        self.light = float(light.sum())
+        self.relative = float(np.sqrt(variance.sum()) / self.light) if self.light > 0 else math.nan
+
+    def of(self, terms: Terms, half: int) -> Estimate:
+        """A signed sum of pictures, as a fraction of the truth's light."""
+        if not self.light > 0:
+            return Estimate(math.nan, math.nan)
+        cells, variance = self.pictures.total(terms, half)
+        value, (se, dof) = float(cells.sum()) / self.light, combined(variance, self.dof)
+        return Estimate(value, se / self.light, dof).plus(value * self.relative)
+
+    def gap(self, steps: Terms, total: Terms) -> Estimate:
+        """What the steps, summed, are off from the total."""
+        return _less(self.of(steps, 0), self.of(total, 1))
+
+
+class Local:
+    """Errors in blocks, as signed shares of local energy; cells are blocks of one channel.
+
+    With e the total error of a block over its truth, local energy is the root L of the weighted
+    mean of e². A cause with error s in the blocks has the share mean(s e) / L: shares are signed,
+    and those of causes that sum to e sum to L. s and e come from different batches.
+    """
+
+    def __init__(self, blocks: Pictures, pixels: np.ndarray, last: str) -> None:
+        self.blocks, self.whole = blocks, ((1, "candidate"), (-1, last))
+        self.dof = blocks.least() // 2 - 1
+        truth = blocks.total([(1, last)])[0]
+        lit = truth > 0
+        weights = pixels / pixels[::3].sum() / np.where(lit, truth, np.inf) ** 2
+        channel = self._worst(weights)
+        self.weights = np.where(np.arange(truth.size) % 3 == channel, weights, 0)
+        self.error, self.variance = blocks.total(self.whole, 1)
+        odd = blocks.cells["candidate"] - blocks.cells[last][1::2]
+        products = self.weights * odd[:, None] * odd
+        cells = pairs(products)
+        self.square = float(cells.sum())
+        self.root = math.sqrt(self.square) if self.square > 0 else math.nan
+        variance = (
+            jackknife(pairs_without_each(products))
+            if len(odd) > 2
+            else np.full(cells.shape, np.nan)
+        )
+        se, dof = combined(variance, len(odd) - 1)
+        self.total = Estimate(self.root, se / (2 * self.root), dof)
+
+    def _worst(self, weights: np.ndarray) -> int:
+        """The channel whose error is largest."""
+        even, odd = (self.blocks.total(self.whole, half)[0] for half in (0, 1))
+        return int(np.argmax((weights * even * odd).reshape(-1, 3).sum(axis=0)))
+
+    def share(self, terms: Terms) -> Estimate:
+        """A cause's signed share."""
+        own, noise = self.blocks.total(terms, 0)
+        value = float(np.sum(self.weights * own * self.error)) / self.root
+        variance = self.weights**2 * (own**2 * self.variance + self.error**2 * noise)
+        se, dof = combined(variance, self.dof)
+        return Estimate(value, se / self.root, dof).plus(value * self.total.se / self.root)
+
+    def gap(self, steps: Terms) -> Estimate:
+        """What the shares, summed, are off from the total."""
+        own, noise = self.blocks.total(steps, 0)
+        value = (float(np.sum(self.weights * own * self.error)) - self.square) / self.root
+        variance = (self.weights * self.error) ** 2 * (noise + self.variance)
+        se, dof = combined(variance, self.dof)
+        return Estimate(value, se / self.root, dof)
+
+
+def _missing(blocks: Pictures) -> dict[str, Figured]:
+    """How much of the occlusion and of the interreflection the candidate lacks, as fractions.
+
+    Least squares of R - T1 on T2 - T1 and T3 - T2 over the blocks, each over the block's light.
+    Products are taken between different batches, so that noise does not flatten the slopes.
+    """
+    one, two, three = (blocks.cells[t] for t in RUNGS[:3])
+    light = three.mean(axis=0)
+    scale = np.where(light > 0, 1 / np.where(light > 0, light, 1), 0)
+    known = np.stack([two - one, three - two], axis=1) * scale  # (n, 2, c)
+    found = ((blocks.cells["candidate"] - one) * scale)[:, None]
+    all_of = np.concatenate([known, found], axis=1)
+    own = np.einsum("kac,kbc->kab", all_of, all_of)
+
+    def slopes(kept: np.ndarray) -> np.ndarray:
+        total = all_of[kept].sum(axis=0)
+        products = total @ total.T - own[kept].sum(axis=0)
+        try:
+            return np.linalg.solve(products[:2, :2], products[:2, 2])
+        except np.linalg.LinAlgError:
+            return np.full(2, np.nan)
+
+    numbers = np.arange(len(all_of))
+    replicates = np.stack([slopes(numbers != k) for k in numbers])
+    lacking, errors = 1 - slopes(numbers >= 0), np.sqrt(jackknife(replicates))
+    return {
+        name: _figured(Estimate(float(value), float(se), len(numbers) - 1))
+        for name, value, se in zip(NAMES[1:3], lacking, errors, strict=True)
+    }
+
+
+def _ssim_step(name: str, rungs: Sequence[str], ssim: dict[str, Estimate]) -> Figured | None:
+    """How much SSIM moves from one rung to the next; only whole causes have such a step."""
+    if name not in NAMES:
+        return None
+    place = NAMES.index(name)
+    before = ssim.get(rungs[place - 1]) if place else Estimate(1.0)
+    return _figured(_less(ssim.get(rungs[place]), before))
+
+
+def _less(a: Estimate | None, b: Estimate | None) -> Estimate:
+    """a - b of independent estimates."""
+    if a is None or b is None:
+        return Estimate(math.nan, math.nan)
+    known = [e.dof for e in (a, b) if e.se > 0]
+    return Estimate(a.value - b.value, math.hypot(a.se, b.se), min(known, default=0.0))
+
+
+def _figured(estimate: Estimate) -> Figured:
+    low, high = estimate.interval()
+    return Figured(value=estimate.value, low=low, high=high)
