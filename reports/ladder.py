@@ -24,6 +24,7 @@ from scenes.schema import Case, Object
 RUNGS = ("unoccluded", "direct", "global", "physical")
 NAMES = ("integration", "occlusion", "interreflection", "model")
 MODEL_STEPS = ("Fresnel", "kd", "masking")  # from `global` to `physical`, in this order
+PARTS = 16  # of an object, by rows of blocks, for the spread of what a candidate lacks
 FEWEST = 4  # batches of each reference: two in each half
 Terms = Sequence[tuple[int, str]]  # signs and names of pictures
 
@@ -116,7 +117,8 @@ def ladder(
     steps = [*_steps(rungs, drawn, truths)]
     pixels = _pictures(drawn, truths, lambda rgb: rgb[mask].mean(axis=1, dtype=np.float64))
     blocks = _pictures(drawn, truths, lambda rgb: block_sums(rgb, mask))
-    energy, local = Energy(pixels, last), Local(blocks, block_sums(mask[..., None], mask), last)
+    covered = block_sums(mask[..., None], mask)
+    energy, local = Energy(pixels, last), Local(blocks, covered, last)
     ssim = {r.truth: Estimate(r.ssim, r.ssim_se, r.ssim_dof) for r in rows}
     causes = [
         Cause(
@@ -145,7 +147,7 @@ def ladder(
         ),
         energy_gap=_figured(energy.gap(summed, whole)),
         local_gap=_figured(local.gap(summed)),
-        missing=_missing(blocks) if "global" in rungs else {},
+        missing=_missing(blocks, covered) if "global" in rungs else {},
     )
 
 
@@ -274,34 +276,37 @@ class Local:
         return Estimate(value, se / self.root, dof)
 
 
-def _missing(blocks: Pictures) -> dict[str, Figured]:
+def _missing(blocks: Pictures, pixels: np.ndarray) -> dict[str, Figured]:
     """How much of the occlusion and of the interreflection the candidate lacks, as fractions.
 
-    Least squares of R - T1 on T2 - T1 and T3 - T2 over the blocks, each over the block's light.
-    Products are taken between different batches, so that noise does not flatten the slopes.
+    Least squares of R - T1 on T2 - T1, T3 - T2 and T1 (a gain, so that a picture too bright is not
+    taken for one without shadows) over the blocks, each over the block's light. Products are
+    taken between different batches, so that noise does not flatten the slopes. What else is wrong
+    with the candidate may look alike, so the error is also taken from parts of the object.
     """
     one, two, three = (blocks.cells[t] for t in RUNGS[:3])
     light = three.mean(axis=0)
-    scale = np.where(light > 0, 1 / np.where(light > 0, light, 1), 0)
-    known = np.stack([two - one, three - two], axis=1) * scale  # (n, 2, c)
-    found = ((blocks.cells["candidate"] - one) * scale)[:, None]
-    all_of = np.concatenate([known, found], axis=1)
-    own = np.einsum("kac,kbc->kab", all_of, all_of)
+    scale = np.where(light > 0, np.sqrt(pixels) / np.where(light > 0, light, 1), 0)
+    own = blocks.cells["candidate"] - one
+    vectors = np.stack([two - one, three - two, one, own], axis=1) * scale  # (n, 4, c)
+    parts = np.array_split(np.arange(len(light)), PARTS)
 
-    def slopes(kept: np.ndarray) -> np.ndarray:
-        total = all_of[kept].sum(axis=0)
-        products = total @ total.T - own[kept].sum(axis=0)
+    def slopes(batches: np.ndarray, cells: np.ndarray) -> np.ndarray:
+        kept = vectors[np.ix_(batches, range(4), cells)]
+        total = kept.sum(axis=0)
+        products = total @ total.T - np.einsum("kac,kbc->ab", kept, kept)
         try:
-            return np.linalg.solve(products[:2, :2], products[:2, 2])
+            return np.linalg.solve(products[:3, :3], products[:3, 3])[:2]
         except np.linalg.LinAlgError:
             return np.full(2, np.nan)
 
-    numbers = np.arange(len(all_of))
-    replicates = np.stack([slopes(numbers != k) for k in numbers])
-    lacking, errors = 1 - slopes(numbers >= 0), np.sqrt(jackknife(replicates))
+    batches, cells = np.arange(len(vectors)), np.arange(len(light))
+    by_batch = np.stack([slopes(batches[batches != k], cells) for k in batches])
+    by_part = np.stack([slopes(batches, np.setdiff1d(cells, part)) for part in parts])
+    error = np.sqrt(jackknife(by_batch) + jackknife(by_part))
     return {
-        name: _figured(Estimate(float(value), float(se), len(numbers) - 1))
-        for name, value, se in zip(NAMES[1:3], lacking, errors, strict=True)
+        name: _figured(Estimate(float(value), float(se), len(batches) - 1))
+        for name, value, se in zip(NAMES[1:3], 1 - slopes(batches, cells), error, strict=True)
     }
 
 
