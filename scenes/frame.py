@@ -1,6 +1,7 @@
 """Frame: one answer to a case, in memory and on disk as EXR plus JSON."""
 
 import errno
+import hashlib
 import json
 import os
 import secrets
@@ -15,7 +16,6 @@ import OpenImageIO as oiio
 
 from scenes.environment import read_pixels
 from scenes.errors import InputError
-from scenes.schema import file_digest
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ def save_frame(frame: Frame, path: Path) -> None:
     pixels = np.ascontiguousarray(np.concatenate(channels, axis=2))
     with written_aside(path) as aside:
         _write_exr(aside, pixels, names)
-        record["sha256"] = file_digest(aside)
+        record["sha256"] = sha256(aside)
     write_text(path.with_suffix(".json"), json.dumps(record, indent=1))
 
 
@@ -95,7 +95,7 @@ def load_frame(path: Path) -> Frame:
     try:
         record = json.loads(beside.read_text())
         seconds, provenance = float(record["seconds"]), dict(record["provenance"])
-        if record["sha256"] != file_digest(path):
+        if record["sha256"] != sha256(path):
             return Frame(rgb)
         named = _channels(path) if record["has_ids"] or record["layers"] else {}
         ids = named["id"].astype(np.uint8) if record["has_ids"] else None
@@ -113,6 +113,12 @@ def _channels(path: Path) -> dict[str, np.ndarray]:
     image = oiio.ImageBuf(str(path))
     pixels = image.get_pixels(oiio.FLOAT)
     return {name: pixels[..., i] for i, name in enumerate(image.spec().channelnames)}
+
+
+def sha256(path: Path) -> str:
+    """SHA-256 (hex) of a file as it is now; `scenes.schema.file_digest` remembers its answers."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def write_text(path: Path, text: str) -> None:

@@ -62,6 +62,15 @@ def test_half_a_frame_is_no_frame(tmp_path, refused, kept):
     refused(lambda: load_frame(path), "frame.exr", "frame", "export it again")
 
 
+def test_a_picture_that_another_has_replaced_is_not_taken_for_its_record(tmp_path):
+    path, other = tmp_path / "frame.exr", tmp_path / "other.exr"
+    save_frame(Frame(RGB, IDS, 1.0), path)
+    save_frame(Frame(RGB + 1, IDS, 1.0), other)
+    assert load_frame(path).ids is not None
+    path.write_bytes(other.read_bytes())
+    assert load_frame(path).ids is None
+
+
 class Killed(BaseException):
     pass
 
