@@ -4,18 +4,21 @@ import hashlib
 import os
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor, Future, as_completed
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from reference.executor import Serial
 from reference.settings import FEWEST_BATCHES, TRUTHS, Kind, kind_of, rounded_samples
 from reference.store import Store, key
 from reference.variant import mitsuba
+from scenes.errors import InputError
 from scenes.frame import Frame
 from scenes.schema import Case
 from scenes.suite import Sampling, Truth
@@ -88,6 +91,8 @@ def grow(
     enough: Callable[[list[Frame]], bool],
     store: Store,
     progress: Callable[[int, int], None] | None = None,
+    executor: Executor | None = None,
+    frozen: bool = False,
 ) -> list[Frame]:
     """The stored batches of a reference, with more made until there are enough.
 
@@ -97,34 +102,136 @@ def grow(
     Args:
         enough: asked with all batches so far, in order.
         progress: told after each new batch how many there are and how many are being made.
+        executor: traces the batches of a look, all of them submitted at once; this process, one
+            after the other, where there is none.
+        frozen: trace nothing; what is stored is all there is.
 
     Raises:
-        InputError: as `render_batch`, or the store cannot be written.
+        InputError: as `render_batch`, or the store cannot be written, or a frozen one holds fewer
+            than 8 batches.
     """
-    identity = key(case, kind, sampling)
     batches = {f.provenance["batch"]: f for f in store.load(case, kind, sampling)}
+    if frozen:
+        if len(batches) < FEWEST_BATCHES:
+            raise missing(case, kind, len(batches), store)
+        return [batches[number] for number in sorted(batches)]
     most = sampling.max_samples // sampling.samples_per_batch
     target = FEWEST_BATCHES
     while True:
-        for number in range(target):
-            if number not in batches:
-                batches[number] = _add(case, kind, sampling, number, identity, store)
-                if progress:
-                    progress(len(batches), max(target, len(batches)))
+        tasks = [Task(case, kind, sampling, n) for n in range(target) if n not in batches]
+        for task, frame in _trace(tasks, store, executor or Serial()):
+            batches[task.number] = frame
+            if progress:
+                progress(len(batches), max(target, len(batches)))
         ordered = [batches[number] for number in sorted(batches)]
         if len(ordered) >= most or enough(ordered):
             return ordered
         target = min(len(ordered) * 2, most)
 
 
-def _add(
-    case: Case, kind: Kind, sampling: Sampling, number: int, identity: str, store: Store
-) -> Frame:
-    """Make and store one batch."""
+def missing(case: Case, kind: Kind, count: int, store: Store) -> InputError:
+    """What to say where a reference has too few batches and none may be traced."""
+    place = f"reference of kind '{kind}'"
+    problem = f"{count} of the {FEWEST_BATCHES} batches it needs are in {store.folder}"
+    remedy = "unpack a pack that holds it (`shadeproof refs unpack`), or trace it (`references`)"
+    return InputError(case.id, place, problem, remedy)
+
+
+def prefetch(
+    wanted: Iterable[tuple[Case, Kind, Sampling, int]],
+    store: Store,
+    executor: Executor | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Trace what a whole job lacks, every batch of it submitted before the first is waited for.
+
+    Args:
+        wanted: references, and how many batches of each there must be.
+        progress: told after each new batch how many are made and how many were lacking.
+
+    Raises:
+        InputError: as `grow`.
+    """
+    tasks: dict[tuple[str, int], Task] = {}
+    for case, kind, sampling, count in wanted:
+        identity, there = key(case, kind, sampling), store.files(case, kind, sampling)
+        for number in range(count):
+            if number not in there:
+                tasks[identity, number] = Task(case, kind, sampling, number)
+    for done, _ in enumerate(_trace(list(tasks.values()), store, executor or Serial()), 1):
+        if progress:
+            progress(done, len(tasks))
+
+
+class Task(NamedTuple):
+    """One batch to be made."""
+
+    case: Case
+    kind: Kind
+    sampling: Sampling
+    number: int
+
+    @property
+    def identity(self) -> str:
+        """The key of the reference that it belongs to."""
+        return key(self.case, self.kind, self.sampling)
+
+
+def trace_batch(task: Task, identity: str) -> tuple[Frame, np.ndarray]:
+    """Path-trace one batch, in whatever process and on whatever machine.
+
+    Returns:
+        The batch, and where it was traced, (H, W) bool.
+
+    Raises:
+        InputError: as `render_batch`, or what is here would make another picture.
+    """
+    case, kind, sampling, number = task
+    try:
+        differs = "its code, packages or scene files differ" if task.identity != identity else ""
+    except OSError as error:
+        differs = f"{error.filename} cannot be read ({error.strerror})"
+    if differs:
+        remedy = "give every worker this shadeproof, with the same files at the same paths"
+        raise InputError("--cluster", f"worker on {platform.node()}", differs, remedy)
     frame = render_batch(case, kind, sampling.samples_per_batch, batch_seed(identity, number))
     frame.provenance["batch"] = number
-    store.save(case, kind, sampling, number, frame, _stage(case, kind).traced)
-    return frame
+    return frame, _stage(case, kind).traced
+
+
+def _trace(tasks: list[Task], store: Store, executor: Executor) -> Iterator[tuple[Task, Frame]]:
+    """Make and store batches; each is told when it is stored, in the order they are finished.
+
+    A batch that fails costs no other: the first failure is raised after the last batch.
+    """
+    if tasks:
+        store.sweep()
+    running: dict[Future, Task] = {}
+    failures: list[Exception] = []
+
+    def stored(future: Future) -> Iterator[tuple[Task, Frame]]:
+        task = running.pop(future)
+        try:
+            frame, traced = future.result()
+        except Exception as error:
+            failures.append(error)
+            return
+        store.save(*task, frame, traced)
+        yield task, frame
+
+    try:
+        for task in tasks:
+            running[executor.submit(trace_batch, task, task.identity)] = task
+            # An executor in this process is done by now, and what it made must not wait.
+            for future in [f for f in running if f.done()]:
+                yield from stored(future)
+        for future in as_completed(list(running)):
+            yield from stored(future)
+    finally:
+        for future in running:
+            future.cancel()
+    if failures:
+        raise failures[0]
 
 
 def batch_seed(identity: str, number: int) -> int:

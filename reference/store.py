@@ -1,39 +1,61 @@
 """References on disk, each in a folder named by the content that makes it.
 
-    KEY/reference.json          the case, the truth, and everything that went into the key
+    KEY/reference.json          the case's name, the kind, the inputs and the maker
     KEY/background.exr, .json   pixels that no object touches; its ids are 1 where pixels are traced
     KEY/batch-000.exr, .json    one batch each; untraced pixels are 0, which compresses well
+    blessed/INPUTS/...          the same, brought by a pack and used whoever made it
+
+KEY is the digest of inputs and maker (see reference.maker), INPUTS that of the inputs alone: what
+the picture must be. The batches of a blessed reference come first; this machine adds to them, under
+its own KEY and so with seeds of its own.
 
 Nothing is ever changed, only added, each file whole or not at all (see `save_frame`), and batch k
-of a key is the same picture whoever makes it: processes may share a store.
+of a KEY is the same picture whoever makes it: processes may share a store. Names that begin with a
+dot are writes that were cut off: never read, and removed when they are an hour old.
 """
 
+import datetime
 import hashlib
 import json
-from dataclasses import replace
+import shutil
+import time
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from reference.settings import (
-    PATH,
-    PILOT_SAMPLES,
-    PILOT_SEED,
-    SAMPLER,
-    SPLIT,
-    Kind,
-    rounded_samples,
-)
+from reference.maker import maker
+from reference.settings import PATH, Kind, rounded_samples
 from scenes.errors import InputError
 from scenes.frame import Frame, load_frame, save_frame, write_text
 from scenes.schema import PRIMITIVES, Case, Material, Model, Object, file_digest
 from scenes.suite import Sampling
 
-HERE = Path(__file__).resolve().parent
-# What turns the inputs into a picture; a change in any of these is another reference.
-SOURCES = ("mixture.py", "physical.py", "scene_dict.py", "truths.py", "transport.py", "settings.py")
-SOURCES += ("../scenes/mesh.py", "../scenes/environment.py")
+BLESSED = "blessed"
+CUT_OFF = 3600  # seconds after which an unfinished write is nobody's any more
+State = Literal["current", "other code", "other packages", "blessed"]
+
+
+@dataclass(frozen=True)
+class Record:
+    """One reference of a store, as `Store.records` tells it.
+
+    Attributes:
+        model: the switches in which the case's model differs from the paper's; "" for none.
+        batches, samples: finished batches, and samples per pixel in all of them.
+        size: bytes on disk.
+        state: whether this machine's code and packages made it.
+    """
+
+    folder: Path
+    case: str
+    kind: Kind
+    model: str
+    batches: int
+    samples: int
+    size: int
+    state: State
 
 
 class Store:
@@ -43,20 +65,27 @@ class Store:
         self.folder = Path(folder)
 
     def path(self, key: str) -> Path:
-        """The folder of one reference, whether it exists or not."""
+        """The folder of one reference of our own, whether it exists or not."""
         return self.folder / key
+
+    def blessed(self, case: Case, kind: Kind, sampling: Sampling) -> Path:
+        """The folder of the same reference from a pack, whether it exists or not."""
+        return self.folder / BLESSED / digest(contents(case, kind, sampling))
+
+    def files(self, case: Case, kind: Kind, sampling: Sampling) -> dict[int, Path]:
+        """Finished batches by number: blessed ones, then our own where those have none.
+
+        By their names alone; `load` leaves out what turns out to be damaged.
+        """
+        own = self.path(key(case, kind, sampling))
+        folders = [own, self.blessed(case, kind, sampling)]
+        return {_number(p): p for folder in folders for p in _finished(folder)}
 
     def load(self, case: Case, kind: Kind, sampling: Sampling) -> list[Frame]:
         """The finished batches in order of provenance["batch"]; damaged ones are left out."""
-        folder = self.path(key(case, kind, sampling))
-        background = _load(folder / "background.exr")
-        if background is None or background.rgb.shape[:2] != (case.height, case.width):
-            return []
-        return [
-            _over(background, f)
-            for path in sorted(folder.glob("batch-*.exr"))
-            if (f := _load(path)) is not None and f.rgb.shape == background.rgb.shape
-        ]
+        blessed = _batches(self.blessed(case, kind, sampling), case)
+        batches = _batches(self.path(key(case, kind, sampling)), case) | blessed
+        return [batches[number] for number in sorted(batches)]
 
     def save(
         self,
@@ -67,7 +96,7 @@ class Store:
         frame: Frame,
         traced: np.ndarray,
     ) -> None:
-        """Add batch `number`.
+        """Add batch `number`, unless another run has done so by now.
 
         Args:
             traced: (H, W) bool, where the batches of this reference differ from each other.
@@ -75,40 +104,132 @@ class Store:
         Raises:
             InputError: the folder cannot be written or the disk is full.
         """
-        content = contents(case, kind, sampling)
-        folder = self.path(_digest(content))
+        folder = self.path(key(case, kind, sampling))
         if not (folder / "reference.json").is_file():
-            record = {"case": case.id, "kind": kind, "inputs": content}
-            write_text(folder / "reference.json", json.dumps(record, indent=1))
+            record = {"case": case.id, "kind": kind, "inputs": contents(case, kind, sampling)}
+            text = json.dumps(record | {"maker": maker()}, indent=1)
+            write_text(folder / "reference.json", text)
         if _load(folder / "background.exr") is None:
             still = np.where(traced[..., None], 0, frame.rgb)
             save_frame(Frame(still, traced.astype(np.uint8)), folder / "background.exr")
+        if _load(path := folder / f"batch-{number:03}.exr") is not None:
+            return
         moving = {n: np.where(traced[..., None], layer, 0) for n, layer in frame.layers.items()}
+        today = datetime.datetime.now(datetime.UTC).date().isoformat()
         stored = replace(
             frame,
             rgb=np.where(traced[..., None], frame.rgb, 0),
-            provenance=frame.provenance | {"batch": number},
+            provenance=frame.provenance | {"batch": number, "made": today},
             layers=moving,
         )
-        save_frame(stored, folder / f"batch-{number:03}.exr")
+        save_frame(stored, path)
 
-    def list(self) -> list[dict[str, Any]]:
-        """One record per reference: key, case, kind, finished batches, samples in all, bytes."""
+    def sweep(self) -> None:
+        """Remove what writes left behind that were cut off an hour ago or more."""
+        for pattern in (".*", "*/.*", f"{BLESSED}/*/.*"):
+            for path in self.folder.glob(pattern):
+                try:
+                    if time.time() - path.stat().st_mtime < CUT_OFF:
+                        continue
+                    shutil.rmtree(path) if path.is_dir() else path.unlink()
+                except OSError:  # another run was faster, or may and we may not
+                    continue
+
+    def folders(self) -> list[Path]:
+        """The folders of all references, blessed ones last."""
+        own = sorted(self.folder.glob("[!.]*/reference.json"))
+        return [p.parent for p in own + sorted(self.folder.glob(f"{BLESSED}/[!.]*/reference.json"))]
+
+    def records(self) -> list[Record]:
+        """One record per reference; what a folder of ours does not tell is left out."""
         records = []
-        for path in sorted(self.folder.glob("*/reference.json")):
-            head = json.loads(path.read_text())
-            batches = len(list(path.parent.glob("batch-*.json")))
+        for folder in self.folders():
+            if (head := read_head(folder)) is None:
+                continue
+            count, inputs = len(_finished(folder)), head["inputs"]
+            blessed = folder.parent.name == BLESSED
             records.append(
-                {
-                    "key": path.parent.name,
-                    "case": head["case"],
-                    "kind": head["kind"],
-                    "batches": batches,
-                    "samples": batches * head["inputs"]["samples_per_batch"],
-                    "bytes": sum(f.stat().st_size for f in path.parent.iterdir()),
-                }
+                Record(
+                    folder=folder,
+                    case=head["case"],
+                    kind=head["kind"],
+                    model=_told(inputs["model"]) if head["kind"] == "model" else "",
+                    batches=count,
+                    samples=count * inputs["samples_per_batch"],
+                    size=sum(f.stat().st_size for f in folder.iterdir()),
+                    state="blessed" if blessed else _state(head["maker"]),
+                )
             )
         return records
+
+    def damaged(self) -> list[Path]:
+        """Every file that is not what was written: EXRs by their digest, heads by their folder."""
+        found = []
+        for folder in self.folders():
+            head = read_head(folder)
+            blessed = folder.parent.name == BLESSED
+            if head is None or folder.name != _name(head, blessed):
+                found.append(folder / "reference.json")
+            frames = {p.with_suffix(".exr") for p in folder.glob("batch-*")}
+            frames |= {folder / "background.exr"} if frames else set()
+            found += sorted(p for p in frames if _load(p) is None and not _unfinished(p))
+        return found
+
+
+def _number(path: Path) -> int:
+    return int(path.stem.removeprefix("batch-"))
+
+
+def _finished(folder: Path) -> list[Path]:
+    """The batches of a folder that have their JSON, in order."""
+    found = (p for p in folder.glob("batch-*.exr") if p.with_suffix(".json").is_file())
+    return sorted(found, key=_number)
+
+
+def _unfinished(path: Path) -> bool:
+    """Whether a picture never got its JSON: its run was killed, and the next one makes it anew."""
+    return path.is_file() and not path.with_suffix(".json").is_file()
+
+
+def _batches(folder: Path, case: Case) -> dict[int, Frame]:
+    """The sound batches of a folder by number."""
+    background = _load(folder / "background.exr")
+    if background is None or background.rgb.shape[:2] != (case.height, case.width):
+        return {}
+    return {
+        _number(path): _over(background, frame)
+        for path in _finished(folder)
+        if (frame := _load(path)) is not None and frame.rgb.shape == background.rgb.shape
+    }
+
+
+def read_head(folder: Path) -> dict[str, Any] | None:
+    """A folder's reference.json, or None where it is not one of ours."""
+    try:
+        head = json.loads((folder / "reference.json").read_text())
+        complete = all(isinstance(head[name], str) for name in ("case", "kind"))
+        complete &= isinstance(head["maker"], dict) and "samples_per_batch" in head["inputs"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return head if complete else None
+
+
+def _name(head: dict[str, Any], blessed: bool) -> str:
+    """The name that a reference's folder must have."""
+    inputs = head["inputs"]
+    return digest(inputs) if blessed else digest({"inputs": inputs, "maker": head["maker"]})
+
+
+def _state(made_by: dict[str, str]) -> State:
+    if made_by == maker():
+        return "current"
+    return "other code" if made_by.get("code") != maker()["code"] else "other packages"
+
+
+def _told(model: dict[str, Any]) -> str:
+    """The switches of a model that are not the paper's."""
+    paper = Model().model_dump()
+    return ", ".join(f"{k} {v}" for k, v in model.items() if v != paper.get(k))
 
 
 def _over(background: Frame, batch: Frame) -> Frame:
@@ -132,19 +253,20 @@ def _load(path: Path) -> Frame | None:
 
 
 def key(case: Case, kind: Kind, sampling: Sampling) -> str:
-    """SHA-256 (hex) of all that makes the picture; the number of batches is no part of it."""
-    return _digest(contents(case, kind, sampling))
+    """The digest of all that makes the picture; the number of batches is no part of it."""
+    return digest({"inputs": contents(case, kind, sampling), "maker": maker()})
 
 
-def _digest(content: dict[str, Any]) -> str:
+def digest(content: dict[str, Any]) -> str:
+    """SHA-256 (hex) of what JSON can hold, whatever its order."""
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def contents(case: Case, kind: Kind, sampling: Sampling) -> dict[str, Any]:
-    """What goes into the key: values and digests, no names, paths or descriptions.
+    """The inputs: what the picture must be, in values and digests, no names or paths.
 
-    Versions of packages are no part of it; the frames record them.
+    How it is sampled is the maker's affair, but for the samples in a batch.
     """
     return {
         "kind": kind,
@@ -157,13 +279,7 @@ def contents(case: Case, kind: Kind, sampling: Sampling) -> dict[str, Any]:
         },
         "objects": [_object(o, kind, case.model) for o in case.objects],
         "integrator": PATH,
-        "sampler": [SAMPLER, SPLIT, PILOT_SAMPLES, PILOT_SEED],
         "samples_per_batch": rounded_samples(sampling.samples_per_batch),
-        # Read as text: line ends may differ between machines.
-        "sources": {
-            name: hashlib.sha256((HERE / name).read_text(encoding="utf-8").encode()).hexdigest()
-            for name in SOURCES
-        },
     }
 
 

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from reference import batches
+from reference import store as store_module
 from reference.batches import PathTracer, batch_seed, grow, render_batch
-from reference.store import Store, key
+from reference.maker import HERE, SOURCES, code_digest, maker
+from reference.store import Store, contents, key
 from scenes import frame as frames
 from scenes.frame import Frame
 from scenes.schema import Object
@@ -26,7 +28,9 @@ def store(tmp_path):
 
 
 def same(a, b):
-    return np.array_equal(a.rgb, b.rgb) and np.array_equal(a.ids, b.ids)
+    equal = np.array_equal(a.rgb, b.rgb) and np.array_equal(a.ids, b.ids)
+    equal &= list(a.layers) == list(b.layers)
+    return equal and all(np.array_equal(a.layers[name], b.layers[name]) for name in a.layers)
 
 
 def test_a_frame_says_how_it_was_made(make_case):
@@ -49,25 +53,25 @@ def test_at_least_eight_batches_then_more_until_enough_and_never_beyond_the_limi
         return len(found) >= 12
 
     told = []
-    found = grow(case, "unoccluded", FEW, enough, store, lambda *done: told.append(done))
+    found = grow(case, "model", FEW, enough, store, lambda *done: told.append(done))
     assert asked == [8, 16]
     assert len(found) == 16
     assert told[0] == (1, 8)
     assert told[-1] == (16, 16)
     assert [f.provenance["batch"] for f in found] == list(range(16))
-    assert len(grow(case, "unoccluded", FEW, lambda _: False, store)) == 20
+    assert len(grow(case, "model", FEW, lambda _: False, store)) == 20
 
 
 def test_growing_keeps_what_is_there_and_mends_what_is_not(make_case, store):
     case = make_case(NOISY_SKY)
-    first = grow(case, "unoccluded", FEW, lambda _: True, store)
-    folder = store.path(key(case, "unoccluded", FEW))
+    first = grow(case, "model", FEW, lambda _: True, store)
+    folder = store.path(key(case, "model", FEW))
     times = {p: p.stat().st_mtime_ns for p in folder.glob("batch-*")}
     assert len(times) == 16
     (folder / "batch-003.json").unlink()  # as if killed before its end
     (folder / "batch-005.exr").write_bytes(b"torn")
-    assert len(store.load(case, "unoccluded", FEW)) == 6
-    again = grow(case, "unoccluded", FEW, lambda _: True, store)
+    assert len(store.load(case, "model", FEW)) == 6
+    again = grow(case, "model", FEW, lambda _: True, store)
     assert all(same(a, b) for a, b in zip(first, again, strict=True))
     kept = {p for p, t in times.items() if p.exists() and p.stat().st_mtime_ns == t}
     assert len(kept) >= 12
@@ -75,16 +79,16 @@ def test_growing_keeps_what_is_there_and_mends_what_is_not(make_case, store):
 
 def test_a_stored_batch_is_the_batch_that_was_rendered(make_case, store):
     case = make_case(NOISY_SKY)
-    grow(case, "unoccluded", FEW, lambda _: True, store)
-    seed = batch_seed(key(case, "unoccluded", FEW), 2)
-    assert same(store.load(case, "unoccluded", FEW)[2], render_batch(case, "unoccluded", 4, seed))
+    grow(case, "model", FEW, lambda _: True, store)
+    seed = batch_seed(key(case, "model", FEW), 2)
+    assert same(store.load(case, "model", FEW)[2], render_batch(case, "model", 4, seed))
 
 
 def test_a_killed_save_leaves_nothing_that_loads(make_case, store, monkeypatch):
     case = make_case()
     frame = Frame(np.ones((36, 48, 3), np.float32), np.zeros((36, 48), np.uint8), 1.0, {})
     traced = np.zeros((36, 48), bool)
-    store.save(case, "global", FEW, 0, frame, traced)
+    store.save(case, "model", FEW, 0, frame, traced)
     true_replace = frames.os.replace
 
     def killed(source, target):
@@ -94,13 +98,13 @@ def test_a_killed_save_leaves_nothing_that_loads(make_case, store, monkeypatch):
 
     monkeypatch.setattr(frames.os, "replace", killed)
     with pytest.raises(KeyboardInterrupt):
-        store.save(case, "global", FEW, 1, frame, traced)
-    assert [f.provenance["batch"] for f in store.load(case, "global", FEW)] == [0]
+        store.save(case, "model", FEW, 1, frame, traced)
+    assert [f.provenance["batch"] for f in store.load(case, "model", FEW)] == [0]
 
 
 def test_the_key_holds_what_makes_the_picture_and_nothing_else(make_case):
-    def key_of(case, truth="global", sampling=FEW):
-        return key(case, truth, sampling)
+    def key_of(case, kind="model", sampling=FEW):
+        return key(case, kind, sampling)
 
     def with_material(material):
         return case.model_copy(
@@ -135,24 +139,50 @@ def test_the_key_holds_what_makes_the_picture_and_nothing_else(make_case):
         make_case(sky=0.5, material=metal(f0="Cu")),
     ]
     keys = [key_of(c) for c in (case, *other_picture)]
-    keys += [key_of(case, "unoccluded"), key_of(case, "physical")]
+    keys += [key_of(case, "physical")]
     keys += [key_of(case, sampling=Sampling(samples_per_batch=9, max_samples=999))]
     assert len(set(keys)) == len(keys)
 
 
-def test_a_change_of_the_code_is_another_reference(make_case, monkeypatch, tmp_path):
-    from reference import store as module
-
-    before = key(make_case(), "global", FEW)
-    for name in module.SOURCES:
+@pytest.fixture
+def room(tmp_path):
+    """A copy of the sources, to be changed; `maker(room)` reads it."""
+    for name in SOURCES:
         copy = tmp_path / "room" / name
         copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_text((module.HERE / name).read_text())
-    monkeypatch.setattr(module, "HERE", tmp_path / "room")
-    case = make_case()
-    assert key(case, "global", FEW) == before
-    (tmp_path / "room" / "mixture.py").write_text("changed")
-    assert key(case, "global", FEW) != before
+        copy.write_text((HERE / name).read_text())
+    return tmp_path / "room"
+
+
+def test_a_change_of_the_code_is_another_maker(room):
+    assert maker(room) == maker()
+    path = room / "mixture.py"
+    path.write_text(path.read_text() + "CHANGED = 1\n")
+    maker.cache_clear()
+    assert maker(room)["code"] != maker()["code"]
+
+
+def test_comments_docstrings_and_layout_are_no_part_of_the_code():
+    plain = code_digest("def f(x):\n    return [x,\n            1.0]\n")
+    same = '"""Of a module."""\n\n\ndef f(x):  # why\n    """Of a function."""\n    return [x, 1.0]'
+    assert code_digest(same) == plain
+    for other in ("[x, 1]", "[x, 1.5]", "[1.0, x]", "(x, 1.0)", "[x, 1.0, ]or f", "'[x, 1.0]'"):
+        assert code_digest(f"def f(x):\n    return {other}\n") != plain
+    assert code_digest("def f(x):\n    pass\n    return [x, 1.0]\n") != plain
+
+
+def test_the_digest_of_the_code_is_the_same_in_every_version_of_python():
+    code = (
+        "class A(B):\n    x: int = 1\n\n    def f(self, *a, **k):\n        return f'{a!r:>{1}} b'\n"
+    )
+    assert code_digest(code).startswith("0a7f5396")
+
+
+def test_another_version_of_the_path_tracer_is_another_maker(make_case, monkeypatch):
+    case, before = make_case(), key(make_case(), "model", FEW)
+    monkeypatch.setattr(store_module, "maker", lambda: maker() | {"mitsuba": "9.9.9"})
+    assert key(case, "model", FEW) != before
+    assert contents(case, "model", FEW)["objects"]
 
 
 def test_untraced_pixels_cost_little_room(make_case, store):
@@ -160,14 +190,14 @@ def test_untraced_pixels_cost_little_room(make_case, store):
     case = make_case(
         NOISY_SKY, objects=(Object(name="b", mesh="sphere", scale=0.2, material=metal()),)
     )
-    grow(case, "unoccluded", FEW, lambda _: True, store)
-    folder = store.path(key(case, "unoccluded", FEW))
+    grow(case, "model", FEW, lambda _: True, store)
+    folder = store.path(key(case, "model", FEW))
     sizes = [p.stat().st_size for p in folder.glob("batch-*.exr")]
     assert max(sizes) < 0.3 * (folder / "background.exr").stat().st_size
-    (record,) = store.list()
-    assert record["batches"] == 8
-    assert record["samples"] == 32
-    assert record["bytes"] == sum(p.stat().st_size for p in folder.iterdir())
+    (record,) = store.records()
+    assert (record.case, record.kind, record.state) == ("test", "model", "current")
+    assert (record.batches, record.samples) == (8, 32)
+    assert record.size == sum(p.stat().st_size for p in folder.iterdir())
 
 
 def test_two_processes_that_save_the_same_batches_do_no_harm(make_case, store, tmp_path):
@@ -184,13 +214,13 @@ case = Case.model_validate_json(Path({str(tmp_path / "case.json")!r}).read_text(
 rgb = np.random.default_rng(0).random((36, 48, 3), np.float32)
 frame = Frame(rgb, np.ones((36, 48), np.uint8), 1.0, {{}})
 for number in list(range(8)) * 5:
-    Store({str(store.folder)!r}).save(case, "global", Sampling(samples_per_batch=4, max_samples=80),
+    Store({str(store.folder)!r}).save(case, "model", Sampling(samples_per_batch=4, max_samples=80),
                                       number, frame, np.ones((36, 48), bool))
 assert "mitsuba" not in sys.modules
 """
     started = [subprocess.Popen([sys.executable, "-c", script]) for _ in range(2)]
     assert [p.wait() for p in started] == [0, 0]
-    loaded = store.load(case, "global", FEW)
+    loaded = store.load(case, "model", FEW)
     assert len(loaded) == 8
     rgb = np.random.default_rng(0).random((36, 48, 3), np.float32)
     assert all(np.array_equal(f.rgb, rgb) for f in loaded)
@@ -200,7 +230,7 @@ assert "mitsuba" not in sys.modules
 def test_batches_scatter_as_their_own_spread_says(make_case):
     # Two sets of 8: the difference of their means over its standard error is Student's t, 14 dof.
     case = make_case(NOISY_SKY, material=plastic(), width=64, height=64)
-    runs = [render_batch(case, "global", 16, batch_seed("x", k)) for k in range(16)]
+    runs = [render_batch(case, "model", 16, batch_seed("x", k)) for k in range(16)]
     rgb = np.stack([r.rgb[r.ids > 0] for r in runs]).astype(float)
     a, b = rgb[:8], rgb[8:]
     t = (a.mean(0) - b.mean(0)) / np.sqrt((a.var(0, ddof=1) + b.var(0, ddof=1)) / 8)

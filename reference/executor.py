@@ -1,0 +1,49 @@
+"""Where batches are traced: in this process, or by the workers of a Dask cluster."""
+
+import logging
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from typing import Any
+
+from scenes.errors import InputError
+
+PATIENCE = 30  # seconds to wait for a scheduler, and for its first worker
+
+
+class Serial(Executor):
+    """One job after the other, in this process: Mitsuba itself uses every core."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future:
+        """Do the job now; the future is done when it is returned."""
+        future: Future = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+def cluster(address: str) -> Executor:
+    """The workers of a Dask scheduler, such as tcp://host:8786.
+
+    Raises:
+        InputError: the package is not installed, nobody answers, or there are no workers.
+    """
+    try:
+        from distributed import Client
+    except ImportError as error:
+        remedy = "install it: pip install 'shadeproof[cluster]'"
+        raise InputError("--cluster", "", "needs the package distributed", remedy) from error
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters, we raise
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        remedy = "start one: dask scheduler"
+        raise InputError("--cluster", address, "no Dask scheduler answers", remedy) from error
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError as error:
+        client.close()
+        remedy = f"start some: dask worker {address} --nthreads 1"
+        raise InputError("--cluster", address, "the scheduler has no workers", remedy) from error
+    return client.get_executor(pure=False)
