@@ -52,8 +52,8 @@ def check_rules(
         for identity in _identities(entry, [*entry.techniques, outside])
     ]
     for number, rule in enumerate(rules):
-        if rule.truth == "physical":
-            problem = "nothing is judged against `physical`, which draws another model"
+        if rule.truth.startswith("physical"):
+            problem = f"nothing is judged against `{rule.truth}`, which draws another model"
             raise InputError(
                 path, f"budget.{number}.truth", problem, "use `global` or `unoccluded`"
             )

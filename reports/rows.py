@@ -26,11 +26,11 @@ def judged_rows(
     Args:
         frames: the candidates' pictures by technique.
         failures: why a technique gave no picture; its rows fail with that problem.
-        rules: the suite's budgets. None holds against `physical`: it draws another model than
-            the paper's, so such rows are told and never judged.
+        rules: the suite's budgets. None holds against `physical` and `physical-smith`: they draw
+            another model than the paper's, so such rows are told and never judged.
         family: how many verdicts must hold together (`gate.family_size`).
     """
-    rules = [] if truth.name == "physical" else list(rules)
+    rules = [] if truth.name.startswith("physical") else list(rules)
     rows = [
         Row(**_identity(case, obj, label), **_cost(truth), problem=problem)
         for label, problem in failures.items()

@@ -15,20 +15,20 @@ from typing import Any
 import numpy as np
 
 from reference import probe as reference_probe
-from reference.batches import grow, render_batch
-from reference.settings import kind_of
+from reference.batches import grow, truth_of
+from reference.settings import TRUTHS, Kind
 from reference.store import Store
 from reference.timing import seconds_per_sample
 from renderer import probe
 from renderer.context import device
 from renderer.draw import Renderer, object_ids
-from renderer.features import technique
+from renderer.features import switched, technique
 from reports import gate, parity
-from reports.calibration import Pool
 from reports.candidates import Candidate, CandidateError
 from reports.compare import Truth, exposures_of
+from reports.ladder import MODEL_STEPS, Drawn, ladder
 from reports.progress import Reporter, reporting
-from reports.results import CaseRecord, Missing, Results, Row
+from reports.results import CaseRecord, Ladder, Missing, Results, Row
 from reports.rows import judged_rows
 from reports.speed import Timing
 from reports.stability import MASKINGS, Agreement, agreement, directions, materials, oracle
@@ -36,7 +36,7 @@ from scenes.environment import load_environment
 from scenes.errors import InputError
 from scenes.frame import Frame, save_frame
 from scenes.mesh import placement
-from scenes.schema import Case, Material, Model
+from scenes.schema import PHYSICAL, Case, Material, Model
 from scenes.suite import Entry, Suite, expand, load_suite
 
 OUTSIDE = "candidate"  # the technique under which an outside candidate's rows stand
@@ -122,13 +122,15 @@ def run(job: Job) -> Results:
     _clear(job.out)
     rows: list[Row] = []
     cases: list[CaseRecord] = []
+    ladders: list[Ladder] = []
     checks = parity.Checks()
-    steps = sum(len(job.candidates(e)) + len(e.truths) for e in job.entries)
+    steps = sum(len(job.candidates(e)) + len(_sources(e)) for e in job.entries)
     with reporting(steps) as report:
         for entry in job.entries:
-            record, made = _run_entry(job, entry, report, checks)
+            record, made, causes = _run_entry(job, entry, report, checks)
             cases.append(record)
             rows += made
+            ladders += causes
     if not job.outside:
         surfaces = {(o.material, e.case.model) for e in job.entries for o in e.case.judged}
         checks.shaders += [_beside_oracle(*s) for s in surfaces]
@@ -147,45 +149,94 @@ def run(job: Job) -> Results:
         cases=cases,
         budgets=list(job.suite.budget),
         rows=rows,
+        ladders=ladders,
         verdict="fail",
         reasons=[],
     )
     return gate.conclude(results)
 
 
+@dataclass(frozen=True)
+class Source:
+    """A reference that an entry needs: what is traced, and which of its truths are wanted.
+
+    Attributes:
+        truths: by the name under which it is reported, the truth that the reference holds.
+        judged: whether candidates are held against it; else it only splits the model's error.
+    """
+
+    case: Case
+    kind: Kind
+    truths: dict[str, str]
+    judged: bool = True
+
+
+def _sources(entry: Entry) -> list[Source]:
+    """Every reference of an entry; the one with `global`, which sets the exposure, first."""
+    case, wanted = entry.case, entry.truths
+    found = []
+    if shared := {t: t for t in TRUTHS["model"] if t in wanted}:
+        found.append(Source(case, "model", shared))
+    if "physical" in wanted:
+        found.append(Source(case, "physical", {"physical": "physical"}))
+    if "physical-smith" in wanted:
+        found.append(Source(_under(case, PHYSICAL), "model", {"physical-smith": "global"}))
+    if entry.split_model:
+        fresnel = {"fresnel": "exact"}
+        for name, fields in zip(
+            MODEL_STEPS, (fresnel, fresnel | {"kd": "interface"}), strict=False
+        ):
+            model = Model(**case.model.model_dump() | fields)
+            found.append(Source(_under(case, model), "model", {name: "global"}, judged=False))
+    return found
+
+
+def _under(case: Case, model: Model) -> Case:
+    """The case under another model."""
+    return case.model_copy(update={"model": model})
+
+
 def _run_entry(
     job: Job, entry: Entry, report: Reporter, checks: parity.Checks
-) -> tuple[CaseRecord, list[Row]]:
-    """One case: all its candidates, then truth by truth."""
+) -> tuple[CaseRecord, list[Row], list[Ladder]]:
+    """One case: all its candidates, then reference by reference, then the causes of error."""
     case = entry.case
     _check_visible(case, job.path)
     frames, failures = _draw(job, entry, report)
     rows: list[Row] = []
     exposures: dict[str, float] = {}
-    truths: dict[str, tuple[str, str]] = {}
-    # `global` first, since it sets the exposure for all.
-    for name in sorted(entry.truths, key=lambda t: t != "global"):
-        report.step(f"{case.id}: compare with {name}")
+    truths: dict[str, list[Frame]] = {}
+    for source in _sources(entry):
+        report.step(f"{case.id}: compare with {', '.join(source.truths)}")
         judged: list[Row] = []
 
-        def enough(batches: list[Frame], name: str = name) -> bool:
+        def enough(batches: list[Frame], source: Source = source) -> bool:
             nonlocal exposures, judged
             exposures = exposures or exposures_of(case, batches)
-            truth = Truth(case, name, batches, exposures)
-            judged = judged_rows(case, truth, frames, failures, job.suite.budget, job.family)
+            judged = []
+            for name, own in source.truths.items() if source.judged else ():
+                truth = Truth(case, name, [truth_of(b, own) for b in batches], exposures)
+                rules = job.suite.budget
+                judged += judged_rows(case, truth, frames, failures, rules, job.family)
             return all(gate.settled(r) for r in judged)
 
-        def traced(done: int, wanted: int, name: str = name) -> None:
-            report.detail(f"{case.id}: trace {name}, batch {done} of {wanted}")
+        def traced(done: int, wanted: int, source: Source = source) -> None:
+            named = " and ".join(source.truths)
+            report.detail(f"{case.id}: trace {named}, batch {done} of {wanted}")
 
-        batches = grow(case, name, job.suite.reference, enough, Store(job.store), traced)
-        if not judged or judged[0].reference_batches != len(batches):
+        batches = grow(
+            source.case, source.kind, job.suite.reference, enough, Store(job.store), traced
+        )
+        if source.judged and (not judged or judged[0].reference_batches != len(batches)):
             enough(batches)  # at the cap `grow` does not ask
         rows += judged
-        truths[name] = _save_halves(job.out, case, name, batches)
-        for label, frame in frames.items():
-            own = [r for r in judged if r.technique == label]
-            checks.add_frame(case, label, frame, batches[0], own)
+        for name, own in source.truths.items():
+            truths[name] = [truth_of(b, own) for b in batches]
+    ladders = _ladders(job, entry, frames, truths, rows)
+    for label, frame in frames.items():
+        for name in entry.truths:
+            own = [r for r in rows if (r.technique, r.truth) == (label, name)]
+            checks.add_frame(case, label, frame, truths[name][0], own)
     candidates = {}
     for label, frame in frames.items():
         candidates[label] = f"frames/{case.id}/{label}.exr"
@@ -198,9 +249,31 @@ def _run_entry(
         height=case.height,
         objects=[o.name for o in case.objects],
         candidates=candidates,
-        truths=truths,
+        truths={t: _save_halves(job.out, case, t, truths[t]) for t in entry.truths},
     )
-    return record, rows
+    return record, rows, ladders
+
+
+def _ladders(
+    job: Job,
+    entry: Entry,
+    frames: dict[str, Frame],
+    truths: dict[str, list[Frame]],
+    rows: list[Row],
+) -> list[Ladder]:
+    """Error by cause for every judged object and technique, where the entry has the truths."""
+    made = []
+    for label, frame in frames.items():
+        drawn = Drawn(frame.rgb)
+        if not job.outside:
+            thrown = switched(technique(label), entry.case.model)
+            pictures = {n: Renderer(t, repeats=0).render(entry.case).rgb for n, t in thrown.items()}
+            drawn = Drawn(frame.rgb, pictures.pop("specular"), pictures)
+        for obj in entry.case.judged:
+            own = [r for r in rows if (r.technique, r.object) == (label, obj.name)]
+            if found := ladder(entry.case, obj, label, drawn, truths, own):
+                made.append(found)
+    return made
 
 
 def _check_physical(entry: Entry, material: Material, path: Path) -> None:
@@ -208,7 +281,7 @@ def _check_physical(entry: Entry, material: Material, path: Path) -> None:
     if material.metallic == 0 or material.metal.eta is not None:
         return
     problem = f"'{material.name}' gives its metal as F0 alone, without eta and k"
-    if "physical" in entry.truths:
+    if entry.split_model or any(t.startswith("physical") for t in entry.truths):
         raise InputError(path, "truths: physical", problem, "name a metal, or leave `physical` out")
     if entry.case.model.fresnel == "exact":
         raise InputError(path, "model.fresnel", problem, "name a metal, or use 'schlick'")
@@ -249,45 +322,26 @@ def _save_halves(out: Path, case: Case, truth: str, batches: list[Frame]) -> tup
 
 
 def references(job: Job, samples: int) -> list[tuple[str, str, int, float]]:
-    """Path-trace every truth of a job to at least `samples` per pixel.
+    """Path-trace every reference of a job to at least `samples` per pixel.
 
     Returns:
-        Per reference: case, truth, samples per pixel, seconds of path tracing in total.
+        Per reference: case, truths, samples per pixel, seconds of path tracing in total.
     """
     done = []
-    with reporting(sum(len(e.truths) for e in job.entries)) as report:
-        for entry in job.entries:
-            for name in entry.truths:
-                report.step(f"{entry.case.id}: {name}")
-                batches = grow(
-                    entry.case, name, job.suite.reference, _samples_reach(samples), Store(job.store)
-                )
-                spp = sum(b.provenance["samples"] for b in batches)
-                done.append((entry.case.id, name, spp, sum(b.seconds for b in batches)))
-    return done
-
-
-def pools(job: Job) -> list[Pool]:
-    """Each case's `global` batches at the cap of samples, and eight of one sample per pixel."""
-    made = []
-    with reporting(len(job.entries)) as report:
-        for entry in job.entries:
-            case = entry.case
-            report.step(f"{case.id}: trace a pool of batches")
-
-            def traced(done: int, wanted: int, name: str = case.id) -> None:
-                report.detail(f"{name}: batch {done} of {wanted}")
-
-            kind = kind_of("global")
-            frames = grow(
-                case, kind, job.suite.reference, lambda _: False, Store(job.store), traced
+    with reporting(sum(len(_sources(e)) for e in job.entries)) as report:
+        for source in (s for e in job.entries for s in _sources(e)):
+            named = ", ".join(source.truths)
+            report.step(f"{source.case.id}: {named}")
+            batches = grow(
+                source.case,
+                source.kind,
+                job.suite.reference,
+                _samples_reach(samples),
+                Store(job.store),
             )
-            coarse = np.stack([render_batch(case, kind, 1, seed).rgb for seed in range(8)])
-            obj = case.judged[0]
-            mask = frames[0].ids == case.index(obj.name)
-            batches = np.stack([frame.rgb for frame in frames])
-            made.append(Pool(obj.material.name, batches, mask, coarse))
-    return made
+            spp = sum(b.provenance["samples"] for b in batches)
+            done.append((source.case.id, named, spp, sum(b.seconds for b in batches)))
+    return done
 
 
 def _clear(out: Path) -> None:
@@ -340,12 +394,12 @@ def plan(job: Job) -> list[str]:
         lines.append(
             f"{case.id}: {case.width}x{case.height}, {len(case.judged)} objects, draw {names}"
         )
-        for truth in entry.truths:
-            batches = store.load(case, truth, job.suite.reference)
+        for source in _sources(entry):
+            batches = store.load(source.case, source.kind, job.suite.reference)
             there = sum(b.provenance["samples"] for b in batches)
-            most = job.suite.reference.max_samples
+            most, named = job.suite.reference.max_samples, ", ".join(source.truths)
             lines.append(
-                f"  {truth}: {there} samples per pixel in the store, at most {most} needed"
+                f"  {named}: {there} samples per pixel in the store, at most {most} needed"
             )
     return lines
 

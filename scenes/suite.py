@@ -32,7 +32,7 @@ from scenes.schema import (
 )
 
 HERE = Path(__file__).resolve().parent
-Truth = Literal["unoccluded", "global", "physical"]
+Truth = Literal["unoccluded", "direct", "global", "physical", "physical-smith"]
 Resolution = tuple[Pixels, Pixels]
 AXES = ("weight", "roughness", "metallic")
 
@@ -98,7 +98,8 @@ class Run(Strict):
     """One scene crossed with environments, materials and sweep axes.
 
     `materials` replaces the material of every object that is not fixed; what the scene changes
-    on an object (`{use = ..., weight = .5}`) stays changed.
+    on an object (`{use = ..., weight = .5}`) stays changed. With `split_model` the model's part of
+    the error is split into Fresnel, kd and masking, for which two more references are traced.
     """
 
     scene: str
@@ -109,6 +110,7 @@ class Run(Strict):
     resolution: Resolution | None = None
     truths: Truths | None = None
     techniques: Techniques | None = None
+    split_model: Switch = False
 
 
 class Sampling(Strict):
@@ -182,6 +184,7 @@ class Entry(Strict):
     case: Case
     truths: tuple[Truth, ...]
     techniques: tuple[str, ...]
+    split_model: bool = False
 
 
 def load_suite(name: str) -> tuple[Suite, Path]:
@@ -208,6 +211,7 @@ def expand(suite: Suite, path: Path) -> list[Entry]:
             case=case,
             truths=run.truths or suite.truths,
             techniques=run.techniques or suite.techniques,
+            split_model=run.split_model,
         )
         for number, run in enumerate(suite.run)
         for case in _cases(suite, run, path, f"run.{number}")
