@@ -63,6 +63,8 @@ def figures(subject: Subject) -> dict[str, Any]:
 
 
 def _fields(mean: Estimate, median: Estimate) -> dict[str, Any]:
+    if mean.interval()[1] < 0:  # a square is not: noise is then more than its spread shows
+        mean = unknown(mean.value)
     return {
         "relmse": mean.value,
         "relmse_ci95": mean.interval(),
