@@ -137,32 +137,6 @@ def missing(case: Case, kind: Kind, count: int, store: Store) -> InputError:
     return InputError(case.id, place, problem, remedy)
 
 
-def prefetch(
-    wanted: Iterable[tuple[Case, Kind, Sampling, int]],
-    store: Store,
-    executor: Executor | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> None:
-    """Trace what a whole job lacks, every batch of it submitted before the first is waited for.
-
-    Args:
-        wanted: references, and how many batches of each there must be.
-        progress: told after each new batch how many are made and how many were lacking.
-
-    Raises:
-        InputError: as `grow`.
-    """
-    tasks: dict[tuple[str, int], Task] = {}
-    for case, kind, sampling, count in wanted:
-        identity, there = key(case, kind, sampling), store.files(case, kind, sampling)
-        for number in range(count):
-            if number not in there:
-                tasks[identity, number] = Task(case, kind, sampling, number)
-    for done, _ in enumerate(_trace(list(tasks.values()), store, executor or Serial()), 1):
-        if progress:
-            progress(done, len(tasks))
-
-
 class Task(NamedTuple):
     """One batch to be made."""
 
@@ -175,6 +149,36 @@ class Task(NamedTuple):
     def identity(self) -> str:
         """The key of the reference that it belongs to."""
         return key(self.case, self.kind, self.sampling)
+
+
+def lacking(wanted: Iterable[tuple[Case, Kind, Sampling, int]], store: Store) -> list[Task]:
+    """What must be made for a whole job: references, and how many batches of each are wanted."""
+    tasks: dict[tuple[str, int], Task] = {}
+    for case, kind, sampling, count in wanted:
+        there = store.files(case, kind, sampling)
+        for number in (n for n in range(count) if n not in there):
+            task = Task(case, kind, sampling, number)
+            tasks.setdefault((task.identity, number), task)
+    return list(tasks.values())
+
+
+def prefetch(
+    tasks: list[Task],
+    store: Store,
+    executor: Executor | None = None,
+    progress: Callable[[Task], None] | None = None,
+) -> None:
+    """Make and store batches, every one submitted before the first is waited for.
+
+    Args:
+        progress: told each batch when it is stored.
+
+    Raises:
+        InputError: as `grow`.
+    """
+    for task, _ in _trace(tasks, store, executor or Serial()):
+        if progress:
+            progress(task)
 
 
 def trace_batch(task: Task, identity: str) -> tuple[Frame, np.ndarray]:

@@ -109,17 +109,17 @@ class Store:
             record = {"case": case.id, "kind": kind, "inputs": contents(case, kind, sampling)}
             text = json.dumps(record | {"maker": maker()}, indent=1)
             write_text(folder / "reference.json", text)
-        if _load(folder / "background.exr") is None:
+        if not sound(folder / "background.exr"):
             still = np.where(traced[..., None], 0, frame.rgb)
             save_frame(Frame(still, traced.astype(np.uint8)), folder / "background.exr")
-        if _load(path := folder / f"batch-{number:03}.exr") is not None:
+        if sound(path := folder / f"batch-{number:03}.exr"):
             return
         moving = {n: np.where(traced[..., None], layer, 0) for n, layer in frame.layers.items()}
-        today = datetime.datetime.now(datetime.UTC).date().isoformat()
+        made = {"code": maker()["code"], "made": datetime.date.today().isoformat()}
         stored = replace(
             frame,
             rgb=np.where(traced[..., None], frame.rgb, 0),
-            provenance=frame.provenance | {"batch": number, "made": today},
+            provenance=frame.provenance | {"batch": number} | made,
             layers=moving,
         )
         save_frame(stored, path)
@@ -172,7 +172,7 @@ class Store:
                 found.append(folder / "reference.json")
             frames = {p.with_suffix(".exr") for p in folder.glob("batch-*")}
             frames |= {folder / "background.exr"} if frames else set()
-            found += sorted(p for p in frames if _load(p) is None and not _unfinished(p))
+            found += sorted(p for p in frames if not (sound(p) or _unfinished(p)))
         return found
 
 
@@ -184,6 +184,11 @@ def _finished(folder: Path) -> list[Path]:
     """The batches of a folder that have their JSON, in order."""
     found = (p for p in folder.glob("batch-*.exr") if p.with_suffix(".json").is_file())
     return sorted(found, key=_number)
+
+
+def sound(path: Path) -> bool:
+    """Whether a picture is finished and as it was written."""
+    return _load(path) is not None
 
 
 def _unfinished(path: Path) -> bool:
