@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from reference import probe as reference_probe
-from reference.batches import grow, truth_of
+from reference.batches import grow, render_batch, truth_of
 from reference.settings import TRUTHS, Kind
 from reference.store import Store
 from reference.timing import seconds_per_sample
@@ -24,6 +24,7 @@ from renderer.context import device
 from renderer.draw import Renderer, object_ids
 from renderer.features import switched, technique
 from reports import gate, parity
+from reports.calibration import Pool
 from reports.candidates import Candidate, CandidateError
 from reports.compare import Truth, exposures_of
 from reports.ladder import MODEL_STEPS, Drawn, ladder
@@ -342,6 +343,28 @@ def references(job: Job, samples: int) -> list[tuple[str, str, int, float]]:
             spp = sum(b.provenance["samples"] for b in batches)
             done.append((source.case.id, named, spp, sum(b.seconds for b in batches)))
     return done
+
+
+def pools(job: Job) -> list[Pool]:
+    """Each case's `global` batches at the cap of samples, and eight of one sample per pixel."""
+    made = []
+    with reporting(len(job.entries)) as report:
+        for entry in job.entries:
+            case = entry.case
+            report.step(f"{case.id}: trace a pool of batches")
+
+            def traced(done: int, wanted: int, name: str = case.id) -> None:
+                report.detail(f"{name}: batch {done} of {wanted}")
+
+            frames = grow(
+                case, "model", job.suite.reference, lambda _: False, Store(job.store), traced
+            )
+            coarse = np.stack([render_batch(case, "model", 1, seed).rgb for seed in range(8)])
+            obj = case.judged[0]
+            mask = frames[0].ids == case.index(obj.name)
+            batches = np.stack([frame.rgb for frame in frames])
+            made.append(Pool(obj.material.name, batches, mask, coarse))
+    return made
 
 
 def _clear(out: Path) -> None:
