@@ -68,7 +68,7 @@ def candidates(held: np.ndarray) -> dict[str, np.ndarray]:
     """Right and wrong pictures, (h, w, 3) each, of batches that nothing is measured from."""
     mean = held.mean(axis=0)
     ramp = np.linspace(0.8, 1.2, mean.shape[1])[None, :, None]
-    shown = np.log1p(4 * held[0])  # a denoiser wants a bounded picture
+    shown = np.log1p(4 * np.clip(held[0], 0, None))  # a denoiser wants a bounded picture
     smooth = denoise_nl_means(
         shown, patch_size=5, patch_distance=6, h=0.08, channel_axis=2, fast_mode=True
     )
@@ -150,7 +150,7 @@ def verdicts(record: Record, figure: str) -> list[Counter]:
     se, counts = (high - low) / 2 / 1.96, []
     for distance in DISTANCES:
         limit = abs(truth) + distance * se
-        if limit <= 0 or (figure == "ssim" and limit >= 1):
+        if not 0 < limit < (1 if figure == "ssim" else math.inf):  # nor where it is unknown
             continue
         rule = Budget(technique="t", truth="global", **{figure: limit})
         said = Counter()
