@@ -23,7 +23,7 @@ class Serial(Executor):
         return future
 
 
-def cluster(address: str) -> Executor:
+def connect(address: str) -> Executor:
     """The workers of a Dask scheduler, such as tcp://host:8786.
 
     Raises:

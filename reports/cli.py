@@ -20,6 +20,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
+refs = typer.Typer(no_args_is_help=True, help="Tell, pack, unpack and verify references.")
+app.add_typer(refs, name="refs")
 # A file or a pipe has no width of its own; 160 columns hold five weights.
 console = Console(highlight=False, width=None if sys.stdout.isatty() else 160)
 
@@ -37,6 +39,13 @@ CandidateOption = Annotated[
 ]
 TimeoutOption = Annotated[
     float, typer.Option(min=0.1, help="Seconds that a candidate command may take.")
+]
+FrozenOption = Annotated[
+    bool,
+    typer.Option("--frozen", help="Path-trace nothing; exit with 2 if a reference is missing."),
+]
+ClusterOption = Annotated[
+    str, typer.Option(help="Path-trace on the workers of this Dask scheduler, tcp://host:port.")
 ]
 OUT, STORE = Path("reports/out"), Path("reports/references")
 
@@ -65,6 +74,8 @@ def compare(
     filter: FilterOption = "",
     candidate: CandidateOption = "",
     timeout: TimeoutOption = 600,
+    frozen: FrozenOption = False,
+    cluster: ClusterOption = "",
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say what would be done, do nothing.")
     ] = False,
@@ -76,7 +87,7 @@ def compare(
     ] = False,
 ) -> None:
     """Draw a suite with both renderers and report how far apart they are."""
-    job = _job(suite, out, store, filter, candidate, timeout)
+    job = _job(suite, out, store, filter, candidate, timeout, frozen, cluster)
     if list_cases:
         for entry in job.entries:
             typer.echo(entry.case.id)
@@ -95,12 +106,15 @@ def gate(
     filter: FilterOption = "",
     candidate: CandidateOption = "",
     timeout: TimeoutOption = 600,
+    frozen: FrozenOption = False,
+    cluster: ClusterOption = "",
     json: Annotated[
         bool, typer.Option("--json", help="Print the results as JSON, nothing else.")
     ] = False,
 ) -> None:
     """Compare, and exit with 1 unless every row meets its budget."""
-    results = _compare(_job(suite, out, store, filter, candidate, timeout), json)
+    job = _job(suite, out, store, filter, candidate, timeout, frozen, cluster)
+    results = _compare(job, json)
     raise typer.Exit(0 if results.verdict == "pass" else 1)
 
 
@@ -118,14 +132,67 @@ def references(
     store: StoreOption = STORE,
     filter: FilterOption = "",
     samples: Annotated[int, typer.Option(min=1, help="Samples per pixel to reach.")] = 256,
+    frozen: FrozenOption = False,
+    cluster: ClusterOption = "",
 ) -> None:
     """Path-trace the references of a suite ahead of time and keep them."""
     from reports.run import references as make
 
-    for case, truth, spp, seconds in make(_job(suite, OUT, store, filter), samples):
+    job = _job(suite, OUT, store, filter, frozen=frozen, cluster=cluster)
+    for case, truth, spp, seconds in make(job, samples):
         console.print(
             f"{case:40} {truth:12} {spp:6} samples per pixel {seconds:8.1f} s", soft_wrap=True
         )
+
+
+@refs.command("list")
+def list_references(store: StoreOption = STORE) -> None:
+    """What a store holds, and whether this machine's code made it."""
+    from reports.refs import print_list
+
+    print_list(store, console)
+
+
+@refs.command()
+def pack(
+    out: Annotated[Path, typer.Option("--out", help="The file to write.")],
+    suite: SuiteOption = "default",
+    filter: FilterOption = "",
+    store: StoreOption = STORE,
+) -> None:
+    """Put a suite's references into one file, and print its SHA-256."""
+    from reports.refs import pack_suite
+
+    pack_suite(_job(suite, OUT, store, filter), out, console)
+
+
+@refs.command()
+def unpack(
+    file: Annotated[Path, typer.Argument(help="A pack.")],
+    digest: Annotated[str, typer.Option(help="The SHA-256 that it must have.")] = "",
+    store: StoreOption = STORE,
+) -> None:
+    """Bless a pack's references: use them, whatever code or packages made them."""
+    from reports.refs import unpack_file
+
+    unpack_file(file, digest, store, console)
+
+
+@refs.command()
+def verify(
+    suite: SuiteOption = "default",
+    filter: FilterOption = "",
+    store: StoreOption = STORE,
+    batches: Annotated[
+        int, typer.Option(min=0, help="Fresh batches for each; 0 checks the files alone.")
+    ] = 8,
+    cluster: ClusterOption = "",
+) -> None:
+    """Check every file, and path-trace anew to see that stored references still hold."""
+    from reports.refs import verify_suite
+
+    job = _job(suite, OUT, store, filter, cluster=cluster)
+    raise typer.Exit(0 if verify_suite(job, batches, console) else 1)
 
 
 @app.command()
@@ -186,14 +253,21 @@ def furnace() -> None:
 
 
 def _job(
-    suite: str, out: Path, store: Path, filter: str, candidate: str = "", timeout: float = 600
+    suite: str,
+    out: Path,
+    store: Path,
+    filter: str,
+    candidate: str = "",
+    timeout: float = 600,
+    frozen: bool = False,
+    cluster: str = "",
 ):
     from reports.candidates import outside_candidate
     from reports.run import Job
 
     outside = outside_candidate(candidate, timeout) if candidate else None
     command = shlex.join(["shadeproof", *sys.argv[1:]])
-    return Job(suite, out, store, filter, outside, command)
+    return Job(suite, out, store, filter, outside, command, frozen, cluster)
 
 
 def _page(results, out: Path) -> Path:

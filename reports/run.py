@@ -2,12 +2,14 @@
 
 import datetime
 import fnmatch
+import math
 import platform
 import shutil
 import tempfile
 import time
-from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -15,8 +17,9 @@ from typing import Any
 import numpy as np
 
 from reference import probe as reference_probe
-from reference.batches import grow, render_batch, truth_of
-from reference.settings import TRUTHS, Kind
+from reference.batches import Task, grow, lacking, prefetch, render_batch, truth_of
+from reference.executor import connect
+from reference.settings import FEWEST_BATCHES, TRUTHS, Kind, rounded_samples
 from reference.store import Store
 from reference.timing import seconds_per_sample
 from renderer import probe
@@ -46,7 +49,12 @@ PACKAGES = ("mitsuba", "drjit", "moderngl", "numpy", "scipy", "scikit-image", "f
 
 @dataclass(frozen=True)
 class Job:
-    """What to run: a suite, which of its cases, with which candidates, and where to."""
+    """What to run: a suite, which of its cases, with which candidates, and where to.
+
+    Attributes:
+        frozen: use the references that are stored, and trace nothing.
+        cluster: the Dask scheduler whose workers trace their batches; this process if empty.
+    """
 
     suite_name: str
     out: Path
@@ -54,6 +62,8 @@ class Job:
     filter: str = ""
     outside: Candidate | None = None
     command: str = ""
+    frozen: bool = False
+    cluster: str = ""
     suite: Suite = field(init=False)
     path: Path = field(init=False)
     entries: list[Entry] = field(init=False)
@@ -89,6 +99,11 @@ class Job:
         object.__setattr__(self, "whole", whole)
         object.__setattr__(self, "skipped", [f"{i} (filter '{self.filter}')" for i in skipped])
 
+    @cached_property
+    def executor(self) -> Executor | None:
+        """What traces the batches, if not this process."""
+        return connect(self.cluster) if self.cluster and not self.frozen else None
+
     @property
     def family(self) -> int:
         """How many verdicts must hold together: the whole suite's, at every look at its batches."""
@@ -119,13 +134,16 @@ def run(job: Job) -> Results:
     """
     start = time.perf_counter()
     _make_folder(job.out, "--out")
-    _make_folder(job.store, "--store")
     _clear(job.out)
+    if job.executor and not job.frozen:
+        trace_ahead(job, FEWEST_BATCHES)
+    elif not job.frozen:
+        _make_folder(job.store, "--store")
     rows: list[Row] = []
     cases: list[CaseRecord] = []
     ladders: list[Ladder] = []
     checks = parity.Checks()
-    steps = sum(len(job.candidates(e)) + len(_sources(e)) for e in job.entries)
+    steps = sum(len(job.candidates(e)) + len(sources(e)) for e in job.entries)
     with reporting(steps) as report:
         for entry in job.entries:
             record, made, causes = _run_entry(job, entry, report, checks)
@@ -172,7 +190,7 @@ class Source:
     judged: bool = True
 
 
-def _sources(entry: Entry) -> list[Source]:
+def sources(entry: Entry) -> list[Source]:
     """Every reference of an entry; the one with `global`, which sets the exposure, first."""
     case, wanted = entry.case, entry.truths
     found = []
@@ -207,7 +225,7 @@ def _run_entry(
     rows: list[Row] = []
     exposures: dict[str, float] = {}
     truths: dict[str, list[Frame]] = {}
-    for source in _sources(entry):
+    for source in sources(entry):
         report.step(f"{case.id}: compare with {', '.join(source.truths)}")
         judged: list[Row] = []
 
@@ -226,7 +244,14 @@ def _run_entry(
             report.detail(f"{case.id}: trace {named}, batch {done} of {wanted}")
 
         batches = grow(
-            source.case, source.kind, job.suite.reference, enough, Store(job.store), traced
+            source.case,
+            source.kind,
+            job.suite.reference,
+            enough,
+            Store(job.store),
+            traced,
+            job.executor,
+            job.frozen,
         )
         if source.judged and (not judged or judged[0].reference_batches != len(batches)):
             enough(batches)  # at the cap `grow` does not ask
@@ -328,21 +353,33 @@ def references(job: Job, samples: int) -> list[tuple[str, str, int, float]]:
     Returns:
         Per reference: case, truths, samples per pixel, seconds of path tracing in total.
     """
+    sampling, store = job.suite.reference, Store(job.store)
+    if not job.frozen:
+        most = sampling.max_samples // sampling.samples_per_batch
+        reached = math.ceil(samples / rounded_samples(sampling.samples_per_batch))
+        trace_ahead(job, max(min(reached, most), FEWEST_BATCHES))
     done = []
-    with reporting(sum(len(_sources(e)) for e in job.entries)) as report:
-        for source in (s for e in job.entries for s in _sources(e)):
-            named = ", ".join(source.truths)
-            report.step(f"{source.case.id}: {named}")
-            batches = grow(
-                source.case,
-                source.kind,
-                job.suite.reference,
-                _samples_reach(samples),
-                Store(job.store),
-            )
-            spp = sum(b.provenance["samples"] for b in batches)
-            done.append((source.case.id, named, spp, sum(b.seconds for b in batches)))
+    for source in (s for e in job.entries for s in sources(e)):
+        case, kind = source.case, source.kind
+        stored = grow(case, kind, sampling, lambda _: True, store, None, job.executor, job.frozen)
+        spp = sum(b.provenance["samples"] for b in stored)
+        named = ", ".join(source.truths)
+        done.append((case.id, named, spp, sum(b.seconds for b in stored)))
     return done
+
+
+def trace_ahead(job: Job, count: int) -> None:
+    """See to it that every reference of a job has `count` batches, all submitted at once."""
+    _make_folder(job.store, "--store")
+    store, sampling = Store(job.store), job.suite.reference
+    needed = [s for e in job.entries for s in sources(e)]
+    tasks = lacking([(s.case, s.kind, sampling, count) for s in needed], store)
+    with reporting(len(tasks)) as report:
+
+        def stored(task: Task) -> None:
+            report.step(f"{task.case.id}: {task.kind}, batch {task.number} is stored")
+
+        prefetch(tasks, store, job.executor, stored)
 
 
 def pools(job: Job) -> list[Pool]:
@@ -388,10 +425,6 @@ def _make_folder(folder: Path, option: str) -> None:
         raise InputError(option, str(folder), problem, remedy) from error
 
 
-def _samples_reach(samples: int) -> Callable[[list[Frame]], bool]:
-    return lambda batches: sum(b.provenance["samples"] for b in batches) >= samples
-
-
 def _provenance() -> dict[str, Any]:
     """Where and with what this ran."""
     return {
@@ -417,7 +450,7 @@ def plan(job: Job) -> list[str]:
         lines.append(
             f"{case.id}: {case.width}x{case.height}, {len(case.judged)} objects, draw {names}"
         )
-        for source in _sources(entry):
+        for source in sources(entry):
             batches = store.load(source.case, source.kind, job.suite.reference)
             there = sum(b.provenance["samples"] for b in batches)
             most, named = job.suite.reference.max_samples, ", ".join(source.truths)

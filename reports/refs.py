@@ -1,0 +1,112 @@
+"""The commands `shadeproof refs`: tell, pack, unpack and verify references."""
+
+from pathlib import Path
+
+import typer
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from reference.pack import pack, unpack
+from reference.settings import FEWEST_BATCHES, Kind
+from reference.store import Record, Store
+from reference.verify import FAMILY_ERROR, Check, verify
+from reports.progress import reporting
+from reports.run import Job, sources
+from scenes.errors import InputError
+from scenes.schema import Case
+from scenes.suite import Sampling
+
+STYLE = {"current": "green", "blessed": "cyan", "other code": "dim", "other packages": "dim"}
+
+
+def wanted(job: Job) -> list[tuple[Case, Kind, Sampling]]:
+    """Every reference that a job needs."""
+    return [(s.case, s.kind, job.suite.reference) for e in job.entries for s in sources(e)]
+
+
+def print_list(store: Path, console: Console) -> None:
+    """What a store holds, a row each."""
+    table = Table(box=box.SIMPLE_HEAD, title=f"references in {store}")
+    for heading in ("case", "kind", "model"):
+        table.add_column(heading)
+    for heading in ("batches", "samples", "MB"):
+        table.add_column(heading, justify="right")
+    table.add_column("state")
+    records = Store(store).records()
+    for r in sorted(records, key=lambda r: (r.case, r.kind, r.model, r.state)):
+        table.add_row(r.case, r.kind, r.model, *_sizes(r), f"[{STYLE[r.state]}]{r.state}[/]")
+    console.print(table)
+    total = sum(r.size for r in records) / 1e6
+    console.print(f"{len(records)} references, {total:.1f} MB", soft_wrap=True)
+
+
+def _sizes(record: Record) -> list[str]:
+    return [str(record.batches), str(record.samples), f"{record.size / 1e6:.1f}"]
+
+
+def pack_suite(job: Job, file: Path, console: Console) -> None:
+    """Write a job's references into one file, and say its digest."""
+    digest, manifest = pack(wanted(job), Store(job.store), file, job.path.stem)
+    size = file.stat().st_size / 1e6
+    console.print(
+        f"{file}: {len(manifest['references'])} references, {size:.2f} MB", soft_wrap=True
+    )
+    typer.echo(f"sha256:{digest}")
+
+
+def unpack_file(file: Path, digest: str, store: Path, console: Console) -> None:
+    """Bless the references of a pack."""
+    references = unpack(file, Store(store), digest)["references"]
+    console.print(f"{len(references)} references of {file} are blessed in {store}", soft_wrap=True)
+
+
+def verify_suite(job: Job, batches: int, console: Console) -> bool:
+    """Whether every file of the store is sound, and its references agree with fresh ones.
+
+    Args:
+        batches: fresh ones for each reference; 0 looks at the files alone.
+    """
+    store = Store(job.store)
+    damaged = store.damaged()
+    for path in damaged:
+        console.print(f"[red]damaged[/] {path}", soft_wrap=True)
+    if not damaged:
+        console.print(f"[green]sound[/] every file of {len(store.folders())} references")
+    if batches == 0:
+        return not damaged
+    if batches == 1:
+        raise InputError("--batches", "", "one batch has no spread", "give 2 or more, or 0")
+    needed = wanted(job)
+    with reporting(len(needed)) as report:
+        checks = verify(needed, store, batches, job.executor, report.step)
+    if not checks:
+        problem = f"holds no reference of {job.path.stem} with {FEWEST_BATCHES} batches"
+        raise InputError("--store", str(job.store), problem, "trace them first: `references`")
+    _print_checks(checks, console)
+    if absent := len(needed) - len(checks):
+        console.print(f"{absent} more of the suite are not in the store", soft_wrap=True)
+    return not damaged and all(c.agrees for c in checks)
+
+
+def _print_checks(checks: list[Check], console: Console) -> None:
+    table = Table(box=box.SIMPLE_HEAD, title="stored against freshly path-traced")
+    for heading in ("", "case", "kind", "batches", "least likely difference", "in", "would see"):
+        table.add_column(heading)
+    for c in checks:
+        table.add_row(
+            "[green]agrees[/]" if c.agrees else "[red]differs[/]",
+            c.case,
+            c.kind,
+            f"{c.old} + {c.new}",
+            f"{c.sigma:+.1f} sigma, {c.relative:+.2%}",
+            c.where,
+            f"{c.visible:.2%}",
+        )
+    console.print(table)
+    console.print(
+        f"All tests together refuse a sound store with a chance of {FAMILY_ERROR:g}. The last "
+        "column: the bias of any one object and channel that would be seen with 95 % probability.",
+        style="dim",
+        soft_wrap=True,
+    )
