@@ -5,10 +5,13 @@ physical materials. R is the candidate and E = R - T. Then integration = E1, occ
 interreflection = E3 - E2 and model = E4 - E3 sum to the total error E4. Each is a signed sum of
 pictures, so integration and model can be split further wherever there is a picture in between.
 
-Steps come from one half of each reference's batches and the total from the other, so that the sum
-can fail to close.
+Each reference's batches are halved. Steps that follow each other come from different halves, and
+the total from another than the last, so that no rung cancels and batches that do not agree keep the
+sum from closing. (A rung that is wrong alike in all its batches is not seen: it moves error from
+one cause to the next.)
 """
 
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -26,7 +29,8 @@ NAMES = ("integration", "occlusion", "interreflection", "model")
 MODEL_STEPS = ("Fresnel", "kd", "masking")  # from `global` to `physical`, in this order
 PARTS = 16  # of an object, by rows of blocks, for the spread of what a candidate lacks
 FEWEST = 4  # batches of each reference: two in each half
-Terms = Sequence[tuple[int, str]]  # signs and names of pictures
+CLOSURE = 0.9999  # confidence of a gap, so that the hundred gaps of a suite close but by 1 %
+Terms = Sequence[tuple[int | np.ndarray, str]]  # signs (or a weight for each cell) of pictures
 
 
 @dataclass(frozen=True)
@@ -46,12 +50,17 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Step:
-    """A cause: its error as a signed sum of pictures, and the diffuse lobe's part of that."""
+    """A cause: its error as a signed sum of pictures, and the diffuse lobe's part of that.
+
+    Attributes:
+        half: of the batches, from which it is taken: 0 or 1.
+    """
 
     name: str
     terms: Terms
     diffuse: Terms = ()
     parent: str = ""
+    half: int = 0
 
 
 @dataclass(frozen=True)
@@ -118,21 +127,24 @@ def ladder(
     pixels = _pictures(drawn, truths, lambda rgb: rgb[mask].mean(axis=1, dtype=np.float64))
     blocks = _pictures(drawn, truths, lambda rgb: block_sums(rgb, mask))
     covered = block_sums(mask[..., None], mask)
-    energy, local = Energy(pixels, last), Local(blocks, covered, last)
+    other = 1 - steps[-1].half
+    energy, local = Energy(pixels, last), Local(blocks, covered, last, other)
     ssim = {r.truth: Estimate(r.ssim, r.ssim_se, r.ssim_dof) for r in rows}
     causes = [
         Cause(
             name=step.name,
             parent=step.parent,
-            energy=_figured(energy.of(step.terms, 0)),
-            diffuse=_figured(energy.of(step.diffuse, 0)) if step.diffuse else None,
-            local=_figured(local.share(step.terms)),
+            energy=_figured(energy.of(step.terms, step.half)),
+            diffuse=_figured(energy.of(step.diffuse, step.half)) if step.diffuse else None,
+            local=_figured(local.share(step.terms, step.half)),
             ssim=_ssim_step(step.name, rungs, ssim),
         )
         for step in steps
     ]
-    top = [s for s in steps if not s.parent]
-    summed = [term for s in top for term in s.terms]
+    top = [
+        [t for s in steps if s.half == half and not s.parent for t in s.terms] for half in (0, 1)
+    ]
+    gaps = energy.gap(top, whole, other), local.gap(top)
     return Ladder(
         case=case.id,
         object=obj.name,
@@ -141,12 +153,13 @@ def ladder(
         causes=causes,
         total=Cause(
             name="total",
-            energy=_figured(energy.of(whole, 1)),
+            energy=_figured(energy.of(whole, other)),
             local=_figured(local.total),
             ssim=_figured(_less(ssim.get(last), Estimate(1.0))),
         ),
-        energy_gap=_figured(energy.gap(summed, whole)),
-        local_gap=_figured(local.gap(summed)),
+        energy_gap=_figured(gaps[0]),
+        local_gap=_figured(gaps[1]),
+        closes=all(low <= 0 <= high for low, high in (g.interval(CLOSURE) for g in gaps)),
         missing=_missing(blocks, covered) if "global" in rungs else {},
     )
 
@@ -158,18 +171,19 @@ def _steps(rungs: Sequence[str], drawn: Drawn, truths: dict[str, list[Frame]]) -
     yield Step(NAMES[0], ((1, "candidate"), (-1, rungs[0])), diffuse)
     if drawn.refined and parts:
         yield from _integration(rungs[0], drawn)
-    for below, above, name in zip(rungs, rungs[1:], NAMES[1:], strict=False):
-        yield _between(name, below, above)
+    for place, (below, above) in enumerate(itertools.pairwise(rungs), start=1):
+        name, half = NAMES[place], place % 2
+        yield _between(name, below, above, half)
         if above == "physical" and all(m in truths for m in MODEL_STEPS[:-1]):
-            places = [below, *MODEL_STEPS[:-1], above]
-            for a, b, part in zip(places, places[1:], MODEL_STEPS, strict=False):
-                yield _between(part, a, b, name)
+            places = itertools.pairwise([below, *MODEL_STEPS[:-1], above])
+            for (a, b), part in zip(places, MODEL_STEPS, strict=True):
+                yield _between(part, a, b, half, name)
 
 
-def _between(name: str, below: str, above: str, parent: str = "") -> Step:
+def _between(name: str, below: str, above: str, half: int, parent: str = "") -> Step:
     """What the candidate is wrong by, since it stays where it is, when the truth moves on."""
     diffuse = (1, f"{below}.diffuse"), (-1, f"{above}.diffuse")
-    return Step(name, ((1, below), (-1, above)), diffuse, parent)
+    return Step(name, ((1, below), (-1, above)), diffuse, parent, half)
 
 
 def _integration(truth: str, drawn: Drawn) -> Iterable[Step]:
@@ -180,8 +194,10 @@ def _integration(truth: str, drawn: Drawn) -> Iterable[Step]:
         yield Step(fine, own, own, NAMES[0])
         rest = (1, fine), (-1, "specular"), (-1, f"{truth}.diffuse")
         yield Step("kd at n·v", rest, rest, NAMES[0])
-    yield Step("table", ((1, "candidate"), (-1, "table")), (), NAMES[0])
-    split = (1, "table"), (-1, "candidate"), (1, "specular"), (-1, truth), (1, f"{truth}.diffuse")
+    split = (1, "specular"), (-1, truth), (1, f"{truth}.diffuse")
+    if "table" in drawn.refined:  # some models have tables that are the material's own, and fine
+        yield Step("table", ((1, "candidate"), (-1, "table")), (), NAMES[0])
+        split = (1, "table"), (-1, "candidate"), *split
     yield Step("prefilter", split, (), NAMES[0])
 
 
@@ -219,9 +235,15 @@ class Energy:
         value, (se, dof) = float(cells.sum()) / self.light, combined(variance, self.dof)
         return Estimate(value, se / self.light, dof).plus(value * self.relative)
 
-    def gap(self, steps: Terms, total: Terms) -> Estimate:
-        """What the steps, summed, are off from the total."""
-        return _less(self.of(steps, 0), self.of(total, 1))
+    def gap(self, steps: Sequence[Terms], total: Terms, other: int) -> Estimate:
+        """What the steps of both halves, summed, are off from the total of the half `other`."""
+        sides = [[*own] for own in steps]
+        sides[other] += [(-sign, name) for sign, name in total]
+        cells, variances = zip(
+            *(self.pictures.total(s, half) for half, s in enumerate(sides)), strict=True
+        )
+        se, dof = combined(np.concatenate(variances), self.dof)
+        return Estimate(float(np.sum(cells)) / self.light, se / self.light, dof)
 
 
 class Local:
@@ -232,48 +254,53 @@ class Local:
     and those of causes that sum to e sum to L. s and e come from different batches.
     """
 
-    def __init__(self, blocks: Pictures, pixels: np.ndarray, last: str) -> None:
-        self.blocks, self.whole = blocks, ((1, "candidate"), (-1, last))
+    def __init__(self, blocks: Pictures, pixels: np.ndarray, last: str, other: int) -> None:
+        self.blocks, self.whole, self.other = blocks, ((1, "candidate"), (-1, last)), other
         self.dof = blocks.least() // 2 - 1
         truth = blocks.total([(1, last)])[0]
         lit = truth > 0
         weights = pixels / pixels[::3].sum() / np.where(lit, truth, np.inf) ** 2
-        channel = self._worst(weights)
+        self.error, self.noise = zip(*(blocks.total(self.whole, h) for h in (0, 1)), strict=True)
+        channel = int(np.argmax((weights * self.error[0] * self.error[1]).reshape(-1, 3).sum(0)))
         self.weights = np.where(np.arange(truth.size) % 3 == channel, weights, 0)
-        self.error, self.variance = blocks.total(self.whole, 1)
-        odd = blocks.cells["candidate"] - blocks.cells[last][1::2]
-        products = self.weights * odd[:, None] * odd
+        own = blocks.cells["candidate"] - blocks.cells[last][other::2]
+        products = self.weights * own[:, None] * own
         cells = pairs(products)
         self.square = float(cells.sum())
         self.root = math.sqrt(self.square) if self.square > 0 else math.nan
         variance = (
             jackknife(pairs_without_each(products))
-            if len(odd) > 2
+            if len(own) > 2
             else np.full(cells.shape, np.nan)
         )
-        se, dof = combined(variance, len(odd) - 1)
+        se, dof = combined(variance, len(own) - 1)
         self.total = Estimate(self.root, se / (2 * self.root), dof)
 
-    def _worst(self, weights: np.ndarray) -> int:
-        """The channel whose error is largest."""
-        even, odd = (self.blocks.total(self.whole, half)[0] for half in (0, 1))
-        return int(np.argmax((weights * even * odd).reshape(-1, 3).sum(axis=0)))
-
-    def share(self, terms: Terms) -> Estimate:
+    def share(self, terms: Terms, half: int) -> Estimate:
         """A cause's signed share."""
-        own, noise = self.blocks.total(terms, 0)
-        value = float(np.sum(self.weights * own * self.error)) / self.root
-        variance = self.weights**2 * (own**2 * self.variance + self.error**2 * noise)
+        (own, noise), error = self.blocks.total(terms, half), self.error[1 - half]
+        value = float(np.sum(self.weights * own * error)) / self.root
+        variance = self.weights**2 * (own**2 * self.noise[1 - half] + error**2 * noise)
         se, dof = combined(variance, self.dof)
         return Estimate(value, se / self.root, dof).plus(value * self.total.se / self.root)
 
-    def gap(self, steps: Terms) -> Estimate:
-        """What the shares, summed, are off from the total."""
-        own, noise = self.blocks.total(steps, 0)
-        value = (float(np.sum(self.weights * own * self.error)) - self.square) / self.root
-        variance = (self.weights * self.error) ** 2 * (noise + self.variance)
-        se, dof = combined(variance, self.dof)
-        return Estimate(value, se / self.root, dof)
+    def gap(self, steps: Sequence[Terms]) -> Estimate:
+        """What the shares of both halves' steps, summed, are off from the total.
+
+        The gap is sum(s0 e1 + s1 e0) - sum(e²), so the noise of a half's batches enters as they
+        are weighted in its derivative.
+        """
+        own = [self.blocks.total(terms, half)[0] for half, terms in enumerate(steps)]
+        value, variances = -self.square, []
+        for half, terms in enumerate(steps):
+            error = self.error[1 - half]
+            value += float(np.sum(self.weights * own[half] * error))
+            slope = own[1 - half] - (2 * self.error[half] if half == self.other else 0)
+            moved = [(sign * error, n) for sign, n in terms]
+            moved += [(sign * slope, n) for sign, n in self.whole]
+            variances.append(self.weights**2 * self.blocks.total(moved, half)[1])
+        se, dof = combined(np.concatenate(variances), self.dof)
+        return Estimate(value / self.root, se / self.root, dof)
 
 
 def _missing(blocks: Pictures, pixels: np.ndarray) -> dict[str, Figured]:

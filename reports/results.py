@@ -134,7 +134,8 @@ class Cause(Record):
 class Ladder(Record):
     """The error of one object by cause, up to the last truth that there is.
 
-    The causes without a parent sum to `total` within the gaps, which come from different batches.
+    The causes without a parent sum to `total` within the gaps, since they come from different
+    batches; `closes` says whether they do, at a confidence for all gaps of a suite together.
     `missing` says how much of the occlusion and interreflection the candidate lacks (1 is all).
     """
 
@@ -146,12 +147,8 @@ class Ladder(Record):
     total: Cause
     energy_gap: Figured
     local_gap: Figured
+    closes: bool
     missing: dict[str, Figured] = Field(default_factory=dict)
-
-    @property
-    def closes(self) -> bool:
-        """Whether both gaps' intervals hold 0."""
-        return all(g.low <= 0 <= g.high for g in (self.energy_gap, self.local_gap))
 
 
 class Missing(Record):
