@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 
 from scenes import frame as module
@@ -100,6 +101,15 @@ def test_a_new_picture_beside_the_old_record_is_unfinished(tmp_path, monkeypatch
     with pytest.raises(Killed):
         save_frame(Frame(2 * RGB, IDS, 2.0), path)
     assert load_frame(path).ids is None
+
+
+def test_the_same_picture_gives_the_same_bytes_at_any_time(tmp_path):
+    save_frame(Frame(RGB, IDS, 1.0), tmp_path / "frame.exr")
+    written = oiio.ImageBuf(str(tmp_path / "frame.exr")).spec()
+    assert written.getattribute("DateTime") == "1970:01:01 00:00:00"
+    before = (tmp_path / "frame.exr").read_bytes()
+    save_frame(Frame(RGB, IDS, 2.0), tmp_path / "frame.exr")
+    assert (tmp_path / "frame.exr").read_bytes() == before
 
 
 def test_the_same_picture_written_again_is_finished_throughout(tmp_path, monkeypatch):
