@@ -128,6 +128,13 @@ class _Arrival:
         return tuple(a + b for a, b in zip(self.from_light, self.from_bsdf, strict=True))
 
 
+def unoccluded(scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f) -> mi.Color3f:
+    """The unoccluded radiance along `ray` by one estimate alone."""
+    si = scene.ray_intersect(ray)
+    background = scene.environment().eval(si, ~si.is_valid())
+    return background + _Arrival(scene, sampler, si, stock=False).unblocked()[0]
+
+
 def openness(
     scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, _control: mi.Float
 ) -> Light:

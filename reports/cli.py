@@ -227,6 +227,19 @@ def calibrate(
 
 
 @app.command()
+def efficiency(
+    suite: SuiteOption = "default",
+    filter: FilterOption = "",
+    store: StoreOption = STORE,
+) -> None:
+    """Time the references to an interval, beside the plain path tracer."""
+    from reports.efficiency import print_efficiencies
+    from reports.run import efficiency as measure
+
+    print_efficiencies(measure(_job(suite, OUT, store, filter)), console)
+
+
+@app.command()
 def stability() -> None:
     """Hold the shaders' BRDF against double precision and Mitsuba, direction by direction."""
     from reports.run import stability as measure

@@ -30,6 +30,7 @@ from reports import gate, parity
 from reports.calibration import Pool
 from reports.candidates import Candidate, CandidateError
 from reports.compare import Truth, exposures_of
+from reports.efficiency import Efficiency, efficiencies
 from reports.ladder import MODEL_STEPS, Drawn, ladder
 from reports.progress import Reporter, reporting
 from reports.results import CaseRecord, Ladder, Missing, Results, Row
@@ -476,6 +477,29 @@ def bench(job: Job) -> list[Timing]:
                     Timing(case.id, case.width, case.height, name, frame.seconds, made, sample)
                 )
     return timings
+
+
+def efficiency(job: Job) -> list[Efficiency]:
+    """Time to the same intervals, ours beside the plain path tracer's."""
+    from reference.plain import plain_batches
+
+    found, samples = [], job.suite.reference.samples_per_batch
+    truths = TRUTHS["model"]
+    with reporting((1 + len(truths)) * len(job.entries)) as report:
+        for entry in job.entries:
+            case = entry.case
+            label, candidate = next(iter(job.candidates(entry).items()))
+            report.step(f"{case.id}: ours, beside {label}")
+            frame = candidate.render(case)
+            render_batch(case, "model", samples, 0)  # compiles and warms up
+            batches = [render_batch(case, "model", samples, 1 + k) for k in range(FEWEST_BATCHES)]
+            ours = {t: [truth_of(b, t) for b in batches] for t in truths}
+            taken, plain = rounded_samples(samples), {}
+            for truth in truths:
+                report.step(f"{case.id}: plain path tracing of {truth}")
+                plain[truth] = plain_batches(case, truth, taken, FEWEST_BATCHES)
+            found += efficiencies(case, frame, ours, plain)
+    return found
 
 
 def _beside_oracle(material: Material, model: Model) -> Agreement:
