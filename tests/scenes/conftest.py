@@ -6,8 +6,6 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-from scenes.errors import InputError
-
 SCENE = """\
 description = "one sphere"
 resolution = [64, 48]
@@ -65,20 +63,3 @@ def write_image(tmp_path):
         return path
 
     return write
-
-
-@pytest.fixture
-def refused():
-    """Call something that must raise InputError whose one line holds all the given words."""
-
-    def check(call, *words: str) -> InputError:
-        with pytest.raises(InputError) as caught:
-            call()
-        error = caught.value
-        assert len(str(error).splitlines()) == 1
-        assert error.problem and error.remedy and error.remedy in str(error)
-        for word in words:
-            assert word in str(error)
-        return error
-
-    return check
