@@ -138,13 +138,13 @@ def unoccluded(scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f) 
 def openness(
     scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, _control: mi.Float
 ) -> Light:
-    """The share of the BSDF's directions at the first hit in which nothing stands."""
+    """1 less the share of the BSDF's directions at the first hit in which something stands."""
     si = scene.ray_intersect(ray)
     sample = sampler.next_1d(), sampler.next_2d()
     bs, _ = si.bsdf().sample(mi.BSDFContext(), si, *sample, si.is_valid())
     active = si.is_valid() & (bs.pdf > 0)
     blocked = scene.ray_test(si.spawn_ray(si.to_world(bs.wo)), active)
-    return {"openness": mi.Color3f(dr.select(active & ~blocked, mi.Float(1), 0))}
+    return {"openness": mi.Color3f(dr.select(active & blocked, mi.Float(0), 1))}
 
 
 def power_heuristic(own: mi.Float, other: mi.Float) -> mi.Float:

@@ -4,11 +4,11 @@ import drjit as dr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_dilation, binary_erosion
 
 from reference import truths
 from reference.scene_dict import build_scene, camera_rays
-from reference.settings import PATH, rounded_samples
+from reference.settings import PATH, kind_of, rounded_samples
 from reference.truths import mi, stage
 from scenes.schema import Camera, Environment, Material, Object
 from tests.reference import formula
@@ -19,8 +19,8 @@ SIDE = Camera(origin=(1, -9, 2), target=(0.3, 0, 0.5), fov=30)
 
 
 def test_a_smooth_perfect_mirror_in_uniform_light_cannot_be_seen(make_case):
-    ready = stage(make_case(material=metal(roughness=0.1)), "unoccluded")
-    picture = ready.trace(64, seed=1)
+    ready = stage(make_case(material=metal(roughness=0.1)), "model")
+    picture = ready.trace(64, seed=1)["unoccluded"]
     # At alpha .01 masking takes under .1 % away from the rim.
     assert picture[12:24, 18:30].mean() == pytest.approx(1, abs=2e-3)
     assert picture[~ready.traced] == pytest.approx(1, abs=1e-5)
@@ -54,7 +54,7 @@ def test_a_sphere_in_uniform_light_has_its_directional_albedo(truth, material, m
     # A long lens, so that the eye's direction is the same all over the sphere.
     far = Camera(origin=(0, -200, 0), target=(0, 0, 0), fov=0.7)
     case = make_case(material=material, camera=far, width=49, height=49)
-    picture = stage(case, truth).trace(256, seed=2)
+    picture = stage(case, "model").trace(256, seed=2)[truth]
     radius = 49 / 2 / (200 * np.tan(np.radians(0.35)))
     y, x = np.mgrid[-24:25, -24:25] / radius
     for low, high in ((0, 0.2), (0.5, 0.6), (0.75, 0.8)):
@@ -78,8 +78,8 @@ def test_unoccluded_ignores_a_neighbour_that_global_sees(make_case):
     pictures = {}
     for truth in ("unoccluded", "global"):
         for objects in ((floor,), (floor, ball)):
-            ready = stage(make_case(camera=camera, objects=objects), truth)
-            pictures[truth, len(objects)] = ready.trace(256, seed=3)
+            ready = stage(make_case(camera=camera, objects=objects), "model")
+            pictures[truth, len(objects)] = ready.trace(256, seed=3)[truth]
     ids = ready.ids
     column, row = (int(v) for v in project(camera, 48, 36, (1.05, 0, 0)))
     assert ids[row, column] == 1  # floor, right beside where the ball stands
@@ -102,7 +102,7 @@ def test_a_small_sphere_appears_where_a_pinhole_puts_it(camera, make_case):
         Object(name="ball", mesh="sphere", material=metal(), scale=0.25, position=place),
     )
     case = make_case(camera=camera, objects=objects, width=200, height=150)
-    ids = stage(case, "unoccluded").ids
+    ids = stage(case, "model").ids
     rows, columns = np.nonzero(ids == case.index("ball"))
     x, y = project(camera, 200, 150, place)
     assert len(rows) > 20
@@ -124,7 +124,7 @@ def test_one_bright_texel_is_seen_in_its_direction(rotation, make_case):
     case = make_case(
         sky, rotation=rotation, camera=camera, width=160, height=120, objects=(behind,)
     )
-    grey = stage(case, "unoccluded").background.mean(axis=2)
+    grey = stage(case, "model").background.mean(axis=2)
     weight = grey - grey.min()
     x, y = project(camera, 160, 120, to_sun)
     # The texel's bilinear foot spans some 11 degrees, whose centroid a wide lens shifts a little.
@@ -143,8 +143,8 @@ def test_a_sun_is_mirrored_where_the_law_of_reflection_says(make_case):
     eye = np.array([0.0, -40, 0])
     camera = Camera(origin=tuple(eye), target=(0, 0, 0), fov=3.5)
     case = make_case(sky, material=metal(roughness=0.1), camera=camera, width=96, height=96)
-    ready = stage(case, "unoccluded")
-    grey = np.where(ready.ids > 0, ready.trace(64, seed=5).mean(axis=2), 0)
+    ready = stage(case, "model")
+    grey = np.where(ready.ids > 0, ready.trace(64, seed=5)["unoccluded"].mean(axis=2), 0)
     half = to_sun + eye / np.linalg.norm(eye)
     x, y = project(camera, 96, 96, half / np.linalg.norm(half))
     rows, columns = np.nonzero(grey > 0.5 * grey.max())
@@ -152,7 +152,7 @@ def test_a_sun_is_mirrored_where_the_law_of_reflection_says(make_case):
     assert abs(rows.mean() + 0.5 - y) < 1.0
 
 
-@pytest.mark.parametrize("truth", ["global", "physical"])
+@pytest.mark.parametrize("truth", ["direct", "global", "physical"])
 def test_pixels_are_those_that_mitsuba_itself_renders(truth, make_case):
     rng = np.random.default_rng(4)
     sky = rng.uniform(0.2, 2, (32, 64, 3))
@@ -162,13 +162,11 @@ def test_pixels_are_those_that_mitsuba_itself_renders(truth, make_case):
     )
     case = make_case(sky, objects=objects)
     samples = rounded_samples(256)
-    ready = stage(case, truth)
-    found = ready.trace(samples, seed=6)
+    ready = stage(case, kind_of(truth))
+    found = ready.trace(samples, seed=6)[truth]
     scene, _ = build_scene(case, physical=truth == "physical")
-    runs = [
-        mi.render(scene, integrator=mi.load_dict(PATH), seed=s, spp=samples).numpy()
-        for s in range(4)
-    ]
+    integrator = mi.load_dict({"type": "direct"} if truth == "direct" else PATH)
+    runs = [mi.render(scene, integrator=integrator, seed=s, spp=samples).numpy() for s in range(4)]
     expected, spread = np.mean(runs, axis=0), float(np.std(runs, axis=0, ddof=1).mean())
     assert np.abs(found - expected).mean() < 1.5 * spread
     edges = expected[ready.traced & (ready.ids == 0)]
@@ -176,10 +174,10 @@ def test_pixels_are_those_that_mitsuba_itself_renders(truth, make_case):
 
 
 def test_a_wavefront_in_pieces_gives_the_same_picture(make_case, monkeypatch):
-    ready = stage(make_case(np.random.default_rng(5).uniform(0, 2, (32, 64, 3))), "unoccluded")
-    whole = ready.trace(256, seed=2**32 - 1)
+    ready = stage(make_case(np.random.default_rng(5).uniform(0, 2, (32, 64, 3))), "model")
+    whole = ready.trace(256, seed=2**32 - 1)["unoccluded"]
     monkeypatch.setattr(truths, "MAX_WAVEFRONT", 20_000)
-    pieces = ready.trace(256, seed=2**32 - 1)
+    pieces = ready.trace(256, seed=2**32 - 1)["unoccluded"]
     assert not np.array_equal(whole, pieces)  # other seeds, so it was in pieces
     assert np.abs(whole - pieces).mean() < 0.02 * whole.mean()
 
@@ -194,7 +192,7 @@ def test_every_pixel_that_an_object_touches_is_traced(make_case):
         )
     )
     case = make_case(objects=specks)
-    ready = stage(case, "unoccluded")
+    ready = stage(case, "model")
     count = 400
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(9, 36 * 48 * count)
@@ -208,8 +206,78 @@ def test_every_pixel_that_an_object_touches_is_traced(make_case):
 
 
 def test_ids_traced_pixels_and_background_agree(make_case):
-    ready = stage(make_case(), "unoccluded")
+    ready = stage(make_case(), "model")
     assert set(np.unique(ready.ids)) == {0, 1}
     assert ready.traced[binary_dilation(ready.ids > 0, np.ones((3, 3)))].all()
     assert (ready.background[ready.traced] == 0).all()
     assert (ready.background[~ready.traced] > 0).all()
+
+
+OCCLUDED = (
+    Object(name="a", mesh="sphere", material=plastic(), position=(0.7, 0, 0)),
+    Object(name="b", mesh="sphere", material=plastic(albedo=(1, 1, 1)), position=(-0.7, 0, 0)),
+    Object(
+        name="floor",
+        mesh="plane",
+        material=metal(roughness=0.6, f0="Cu"),
+        scale=8,
+        position=(0, 0, -1),
+    ),
+)
+
+
+def test_the_control_variate_takes_noise_away_and_adds_no_bias(make_case, monkeypatch):
+    sky = np.random.default_rng(7).uniform(0, 2, (32, 64, 3))
+    ready = stage(make_case(sky, objects=OCCLUDED), "model")
+    with_it = np.stack([ready.trace(16, seed)["global"] for seed in range(12)])
+    monkeypatch.setitem(ready.__dict__, "control", np.zeros_like(ready.control))
+    without = np.stack([ready.trace(16, seed)["global"] for seed in range(12)])
+    light = without[:, ready.ids > 0].mean()
+    spread = np.sqrt(without.var(axis=0)[ready.ids > 0].sum() / 12) / (ready.ids > 0).sum() / 3
+    assert with_it[:, ready.ids > 0].mean() == pytest.approx(light, abs=5 * spread)
+    lit = ready.ids == 1
+    assert with_it.var(axis=0)[lit].mean() < 0.8 * without.var(axis=0)[lit].mean()
+
+
+def test_open_directions_and_nothing_else_set_the_control(make_case):
+    alone = stage(make_case(objects=OCCLUDED[:1]), "model")
+    on = alone.ids[alone.traced] == 1
+    assert alone.control[on].mean() == pytest.approx(0.75, abs=0.01)  # a sphere hides none of it
+    assert stage(make_case(objects=OCCLUDED), "model").control.min() < 0.3
+
+
+@pytest.mark.parametrize("truth", ["unoccluded", "direct", "global", "physical"])
+def test_light_is_told_apart_by_the_lobe_that_reflects_it_first(truth, make_case):
+    """The glossy lobe alone is what is left when the surface's albedo goes."""
+    sky = np.random.default_rng(8).uniform(0, 2, (32, 64, 3))
+    # With full transport a neighbour would send the white surface's own light back to it.
+    objects = OCCLUDED if truth in ("unoccluded", "direct") else OCCLUDED[1:2]
+    ready = stage(make_case(sky, objects=objects), kind_of(truth))
+    pictures = ready.trace(256, seed=1)
+    whole, diffuse = pictures[truth], pictures[f"{truth}.diffuse"]
+    assert not diffuse[~ready.traced].any()
+    white = binary_erosion(ready.ids == 1 + objects.index(OCCLUDED[1]))
+    assert 0.5 * whole[white].mean() < diffuse[white].mean() < whole[white].mean()
+    black = OCCLUDED[1].model_copy(update={"material": plastic(albedo=(0, 0, 0))})
+    others = tuple(black if o is OCCLUDED[1] else o for o in objects)
+    glossy = stage(make_case(sky, objects=others), kind_of(truth)).trace(256, seed=2)[truth]
+    assert (whole - diffuse)[white].mean() == pytest.approx(glossy[white].mean(), rel=0.01)
+
+
+def test_a_metal_has_no_diffuse_light(make_case):
+    ready = stage(make_case(objects=OCCLUDED), "model")
+    assert not ready.trace(16, seed=1)["global.diffuse"][binary_erosion(ready.ids == 3)].any()
+
+
+def test_a_blend_of_stock_materials_is_sampled_by_its_own_density(make_case):
+    """`blendbsdf` gives the density of one child; joined with the light's that would be biased."""
+    sky = np.full((32, 64, 3), 0.05)
+    sky[6:9, 20:24] = 30.0
+    half = plastic(roughness=0.6, weight=0.5, albedo=(0.6, 0.6, 0.6))
+    case = make_case(sky, material=half)
+    ready = stage(case, "physical")
+    found = np.mean([ready.trace(256, s)["physical"][ready.ids > 0].mean() for s in range(4)])
+    scene, _ = build_scene(case, physical=True)
+    light_only = mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0})
+    picture = mi.render(scene, integrator=light_only, seed=3, spp=4096).numpy()
+    assert found == pytest.approx(picture[ready.ids > 0].mean(), rel=0.004)
