@@ -53,12 +53,13 @@ class Step:
     """A cause: its error as a signed sum of pictures, and the diffuse lobe's part of that.
 
     Attributes:
+        diffuse: empty where the diffuse lobe has no part in it, None where that is unknown.
         half: of the batches, from which it is taken: 0 or 1.
     """
 
     name: str
     terms: Terms
-    diffuse: Terms = ()
+    diffuse: Terms | None
     parent: str = ""
     half: int = 0
 
@@ -83,7 +84,7 @@ class Pictures:
             half: 0 or 1 for the even or the odd batches, None for all.
         """
         chosen = slice(half, None, None if half is None else 2)
-        value, variance = 0.0, 0.0
+        value = variance = np.zeros(next(iter(self.cells.values())).shape[1])
         for source in dict.fromkeys(self.source[name] for _, name in terms):
             own = [(sign, name) for sign, name in terms if self.source[name] == source]
             if not source:
@@ -92,7 +93,7 @@ class Pictures:
             batches = sum(sign * self.cells[name][chosen] for sign, name in own)
             value = value + batches.mean(axis=0)
             variance = variance + batches.var(axis=0, ddof=1) / len(batches)
-        return value, variance + np.zeros_like(value)
+        return value, variance
 
     def least(self) -> int:
         """The fewest batches of any truth."""
@@ -135,7 +136,7 @@ def ladder(
             name=step.name,
             parent=step.parent,
             energy=_figured(energy.of(step.terms, step.half)),
-            diffuse=_figured(energy.of(step.diffuse, step.half)) if step.diffuse else None,
+            diffuse=_diffuse(energy, step.diffuse, step.half),
             local=_figured(local.share(step.terms, step.half)),
             ssim=_ssim_step(step.name, rungs, ssim),
         )
@@ -154,6 +155,7 @@ def ladder(
         total=Cause(
             name="total",
             energy=_figured(energy.of(whole, other)),
+            diffuse=_diffuse(energy, _own_diffuse(drawn, last), other),
             local=_figured(local.total),
             ssim=_figured(_less(ssim.get(last), Estimate(1.0))),
         ),
@@ -166,10 +168,8 @@ def ladder(
 
 def _steps(rungs: Sequence[str], drawn: Drawn, truths: dict[str, list[Frame]]) -> Iterable[Step]:
     """The causes between the rungs that there are, each followed by its own parts."""
-    parts = drawn.specular is not None
-    diffuse = ((1, "candidate"), (-1, "specular"), (-1, f"{rungs[0]}.diffuse")) if parts else ()
-    yield Step(NAMES[0], ((1, "candidate"), (-1, rungs[0])), diffuse)
-    if drawn.refined and parts:
+    yield Step(NAMES[0], ((1, "candidate"), (-1, rungs[0])), _own_diffuse(drawn, rungs[0]))
+    if drawn.refined and drawn.specular is not None:
         yield from _integration(rungs[0], drawn)
     for place, (below, above) in enumerate(itertools.pairwise(rungs), start=1):
         name, half = NAMES[place], place % 2
@@ -178,6 +178,13 @@ def _steps(rungs: Sequence[str], drawn: Drawn, truths: dict[str, list[Frame]]) -
             places = itertools.pairwise([below, *MODEL_STEPS[:-1], above])
             for (a, b), part in zip(places, MODEL_STEPS, strict=True):
                 yield _between(part, a, b, half, name)
+
+
+def _own_diffuse(drawn: Drawn, truth: str) -> Terms | None:
+    """The error of the candidate's own diffuse light; None where it is unknown."""
+    if drawn.specular is None:
+        return None
+    return (1, "candidate"), (-1, "specular"), (-1, f"{truth}.diffuse")
 
 
 def _between(name: str, below: str, above: str, half: int, parent: str = "") -> Step:
@@ -344,6 +351,10 @@ def _ssim_step(name: str, rungs: Sequence[str], ssim: dict[str, Estimate]) -> Fi
     place = NAMES.index(name)
     before = ssim.get(rungs[place - 1]) if place else Estimate(1.0)
     return _figured(_less(ssim.get(rungs[place]), before))
+
+
+def _diffuse(energy: Energy, terms: Terms | None, half: int) -> Figured | None:
+    return None if terms is None else _figured(energy.of(terms, half))
 
 
 def _less(a: Estimate | None, b: Estimate | None) -> Estimate:

@@ -176,14 +176,19 @@ def test_a_metal_has_no_diffuse_part():
 def test_diffuse_light_is_told_apart():
     picture = TRUTHS["unoccluded"] + WRONG
     specular = picture - 0.3 * TRUTHS["unoccluded"] - 0.75 * WRONG
-    causes = named(climbed(Drawn(picture, specular), traced(diffuse=0.3)))
+    found = climbed(Drawn(picture, specular), traced(diffuse=0.3))
+    causes = named(found)
     assert holds(causes["integration"].diffuse, 0.75 * light(WRONG))
     assert holds(causes["occlusion"].diffuse, -0.3 * light(ADDED["direct"]))
+    own = 0.3 * (TRUTHS["unoccluded"] - TRUTHS["physical"]) + 0.75 * WRONG
+    assert holds(found.total.diffuse, light(own))
 
 
 def test_diffuse_light_of_a_picture_alone_is_unknown_but_the_truths_is_not():
-    causes = named(climbed(Drawn(TRUTHS["direct"]), traced(diffuse=0.3)))
+    found = climbed(Drawn(TRUTHS["direct"]), traced(diffuse=0.3))
+    causes = named(found)
     assert causes["integration"].diffuse is None
+    assert found.total.diffuse is None
     assert holds(causes["occlusion"].diffuse, -0.3 * light(ADDED["direct"]))
 
 
@@ -199,6 +204,7 @@ def test_integration_is_split_by_the_maps_that_are_refined():
     for name, part in expected.items():
         assert causes[name].parent == "integration"
         assert holds(causes[name].energy, light(part)), name
+    assert causes["table"].diffuse.value == causes["prefilter"].diffuse.value == 0
     for figure in ("energy", "local"):
         own = sum(getattr(causes[name], figure).value for name in expected)
         assert own == pytest.approx(getattr(causes["integration"], figure).value, abs=1e-9)
