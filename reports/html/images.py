@@ -9,10 +9,11 @@ import numpy as np
 from reports.html.colour import SIGNED, SIMILARITY, Scale
 from reports.html.frames import CaseFrames, PictureError
 from reports.html.png import colour_map, picture
+from reports.ladder import NAMES, RUNGS
 from reports.metrics.energy import block_errors
 from reports.metrics.ssim import ssim_map
 from reports.metrics.subject import Subject
-from reports.results import Row
+from reports.results import Ladder, Row
 
 CLOSE_UP = 2.1  # width over height, so that three stand in a row on the first screen
 
@@ -104,6 +105,36 @@ def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:
     ]
 
 
+def cause_maps(frames: CaseFrames, ladders: list[Ladder]) -> list[Picture]:
+    """A map of each whole cause; only that of integration differs between techniques."""
+    made = []
+    size = frames.record.width, frames.record.height
+    techniques = list(dict.fromkeys(found.technique for found in ladders))
+    for technique in techniques:
+        of = {f.object: f.truth for f in ladders if f.technique == technique}
+        rows = [r for r in frames.rows if r.technique == technique and of.get(r.object) == r.truth]
+        if not rows:
+            continue
+        causes = NAMES[: 1 + RUNGS.index(rows[0].truth)]
+        for name in causes if technique == techniques[0] else causes[:1]:
+            label = technique if name == NAMES[0] else ""
+            made.append(_made(name, label, "", size, partial(_cause_map, frames, rows, name)))
+    return made
+
+
+def _cause_map(frames: CaseFrames, rows: list[Row], name: str) -> str:
+    """What one cause adds to the light of each block, over the last truth's."""
+    place = NAMES.index(name)
+
+    def alone(subject: Subject, crop: tuple[slice, slice]) -> np.ndarray:
+        """The error that is left if all but this cause were right."""
+        over = frames.truth(RUNGS[place - 1])[crop] if place else subject.candidate
+        added = over - frames.truth(RUNGS[place])[crop]
+        return block_errors(Subject(subject.truth.mean + added, subject.truth))
+
+    return _drawn(frames, rows, alone, SIGNED)
+
+
 def _whole(frames: CaseFrames, read: Callable[[str], np.ndarray], name: str) -> str:
     """A whole picture at the case's exposure."""
     return picture(read(name), frames.exposure)
@@ -112,11 +143,22 @@ def _whole(frames: CaseFrames, read: Callable[[str], np.ndarray], name: str) -> 
 def _map(
     frames: CaseFrames, rows: list[Row], kind: str, window: tuple[slice, slice] = np.s_[:, :]
 ) -> str:
-    """One map over the objects of all rows, which share a technique and a truth.
+    """One map over the objects of all rows, which share a technique and a truth."""
+    compute, scale = MAPS[kind]
+    return _drawn(frames, rows, lambda subject, _: compute(subject), scale, window)
+
+
+def _drawn(
+    frames: CaseFrames,
+    rows: list[Row],
+    compute: Callable[[Subject, tuple[slice, slice]], np.ndarray],
+    scale: Scale,
+    window: tuple[slice, slice] = np.s_[:, :],
+) -> str:
+    """A map of values (h, w) that are computed object by object, each in its crop.
 
     An object that cannot be shown is left out, unless there is no other.
     """
-    compute, scale = MAPS[kind]
     shape = frames.mask(rows[0].truth, rows[0].object).shape
     values, inside = np.full(shape, np.nan, np.float32), np.zeros(shape, bool)
     problems = []
@@ -124,7 +166,7 @@ def _map(
         try:
             subject, crop = frames.subject(row)
             mask = subject.truth.mask
-            values[crop][mask] = compute(subject)[mask]
+            values[crop][mask] = compute(subject, crop)[mask]
             inside[crop][mask] = True
         except Exception as error:  # the other objects still have something to show
             problems.append(_told(error))

@@ -5,14 +5,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reports.gate import worst_first
-from reports.html import columns, verdict
+from reports.html import causes, columns, verdict
 from reports.html.colour import SIGNED, SIMILARITY, Scale
 from reports.html.energy_claim import ClaimView, energy_claim_view
 from reports.html.figures import METRICS, decisive, seconds, slug
 from reports.html.frames import CaseFrames
-from reports.html.images import Picture, case_pictures, close_ups
+from reports.html.images import Picture, case_pictures, cause_maps, close_ups
 from reports.html.matrix import Matrix, label_of, matrices, row_id
 from reports.html.trust import Fact, facts
+from reports.ladder import NAMES
 from reports.results import CaseRecord, Results, Row
 
 VERDICTS = ("fail", "inconclusive", "pass", "reported")
@@ -48,6 +49,7 @@ KINDS = {
         "highlights, edges or texture differ, whatever the energy says.",
         SIMILARITY,
     ),
+    **{n: Kind(f"Error by {n}", causes.MEANINGS[n], SIGNED) for n in NAMES},
 }
 
 
@@ -73,6 +75,8 @@ class CaseView:
     truths: list[str]
     chosen: tuple[str, str]
     pictures: list[Picture]
+    causes: list[causes.Chart]
+    cause_maps: list[Picture]
     rows: list[RowView]
     missing: list[str]
 
@@ -101,6 +105,7 @@ class Page:
     provenance: str
     seconds: str
     budgets: list[list[str]]
+    part_meanings: dict[str, str]
     energy_claim: ClaimView
 
 
@@ -141,6 +146,7 @@ def page_of(results: Results, folder: Path) -> Page:
             ]
             for b in results.budgets
         ],
+        part_meanings={n: m for n, m in causes.MEANINGS.items() if n not in NAMES},
         energy_claim=energy_claim_view(),
     )
 
@@ -159,6 +165,7 @@ def _close_ups(place: CaseRecord | None, folder: Path, ranked: list[Row]) -> lis
 def _case(results: Results, frames: CaseFrames) -> CaseView:
     record, rows = frames.record, frames.rows
     pictures = case_pictures(frames)
+    ladders = [found for found in results.ladders if found.case == record.id]
     techniques = list(dict.fromkeys(p.technique for p in pictures if p.kind == "candidate"))
     truths = list(dict.fromkeys(p.truth for p in pictures if p.kind == "truth"))
     chosen = (rows[0].technique, rows[0].truth) if rows else (
@@ -173,6 +180,8 @@ def _case(results: Results, frames: CaseFrames) -> CaseView:
         truths=truths,
         chosen=chosen,
         pictures=pictures,
+        causes=causes.charts(ladders),
+        cause_maps=cause_maps(frames, ladders),
         rows=[_row(r, results.rows) for r in rows],
         missing=[
             f"{m.object}, {m.technique} vs {m.truth}"

@@ -1,0 +1,306 @@
+"""Error by cause in words and signed bars: the block 'Why' of a case."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from reports.html.figures import GAP, half_width, number
+from reports.results import Cause, Figured, Ladder
+
+MEANINGS = {
+    "integration": "The technique adds up the environment's light only roughly, even where nothing "
+    "is in the way.",
+    "irradiance map": "The small map of diffuse light.",
+    "kd at n·v": "One share of diffuse light for all directions, taken at the angle of view.",
+    "table": "The table of the specular lobe's reflectance.",
+    "prefilter": "The blurred environment, looked up in one direction as if seen head-on.",
+    "occlusion": "Light that in truth is blocked by the object itself or by its neighbours.",
+    "interreflection": "Light that in truth arrives by way of the object itself or its neighbours.",
+    "model": "The surface itself: the case's BRDF instead of physical materials.",
+    "Fresnel": "Schlick's approximation instead of the exact equations.",
+    "kd": "The share of light that the diffuse layer gets and gives back.",
+    "masking": "The paper's masking of facets, and what else parts the models.",
+}
+ABSENT = {"occlusion": "shadows", "interreflection": "interreflection"}
+CANCELS = 0.01  # of the light, from which on errors of opposite sign are told
+HIDDEN = 0.5  # half an interval beyond which a fraction says nothing
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What bars show: the field of Cause, its heading, how to read its two sides, its unit."""
+
+    field: str
+    heading: str
+    reading: str
+    unit: Literal["%", ""]
+    decimals: int
+
+    def number(self, value: float, decimals: int | None = None) -> str:
+        """A signed number without its unit; 0 has no sign."""
+        shown = self.decimals if decimals is None else decimals
+        rounded = round(self.scaled(value), shown) + 0.0  # no negative zero
+        return number(rounded, shown, signed=rounded != 0)
+
+    def scaled(self, value: float) -> float:
+        """A figure in the measure's unit."""
+        return 100 * value if self.unit else value
+
+    def with_unit(self, text: str) -> str:
+        """A number as text, and its unit."""
+        return f"{text}{GAP}{self.unit}" if self.unit else text
+
+    def spread(self, figure: Figured) -> str:
+        """Half the interval as ±, with the unit."""
+        half, least = self.scaled(half_width((figure.low, figure.high))), 10**-self.decimals
+        if not math.isfinite(half):
+            return f"±{GAP}unknown"
+        shown = number(half, self.decimals) if half >= least / 2 else f"<{GAP}{least:g}"
+        return f"±{GAP}{self.with_unit(shown)}"
+
+
+MEASURES = (
+    Measure("local", "Local energy error", "left of 0: makes up for others", "%", 1),
+    Measure("energy", "Total energy error", "left: too dark, right: too bright", "%", 1),
+    Measure("ssim", "SSIM", "left: likeness lost", "", 3),
+)
+
+
+@dataclass(frozen=True)
+class Span:
+    """A stretch of an axis, in percent of its length; `kind` is how it is drawn."""
+
+    start: float
+    length: float
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The values between the two ends of a bar's track, 0 among them."""
+
+    low: float
+    high: float
+
+    @property
+    def zero(self) -> float:
+        """Where 0 lies, in percent of the length."""
+        return self.at(0)
+
+    def at(self, value: float) -> float:
+        """Where a value lies, in percent of the length."""
+        place = (value - self.low) / (self.high - self.low)
+        return round(100 * min(max(place, 0), 1), 1)
+
+    def span(self, a: float, b: float, kind: str = "") -> Span:
+        """The stretch between two values."""
+        start, end = sorted((self.at(a), self.at(b)))
+        return Span(start, round(end - start, 1), kind)
+
+    def ticks(self, measure: Measure) -> list[tuple[float, str]]:
+        """Places and labels of 0 and of those ends that are far enough from it to be read."""
+        ends = [(v, self.at(v)) for v in (self.low, self.high) if abs(self.at(v) - self.zero) > 25]
+        places = sorted([*ends, (0.0, self.zero)])
+        return [(p, measure.with_unit(measure.number(v, _places(measure, v)))) for v, p in places]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One figure of a cause: its bar on an axis and the number beside it; no bar, no figure.
+
+    Attributes:
+        zero: where 0 lies, in percent of the axis.
+        noise: whether noise hides the sign.
+        split: diffuse and specular light in words; empty where they are not told apart.
+    """
+
+    zero: float
+    spans: list[Span]
+    whisker: Span | None
+    text: str
+    spread: str
+    noise: bool
+    split: str
+
+
+@dataclass(frozen=True)
+class Line:
+    """One row of a chart; `part` where it is a part of the cause above."""
+
+    name: str
+    meaning: str
+    part: bool
+    bars: list[Bar | None]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One object's causes under one technique."""
+
+    object: str
+    technique: str
+    truth: str
+    sentences: list[str]
+    closure: str
+    closes: bool
+    heads: list[tuple[Measure, list[tuple[float, str]]]]
+    lines: list[Line]
+
+
+def charts(ladders: Sequence[Ladder]) -> list[Chart]:
+    """A case's ladders, as charts on common scales: objects and techniques can be compared."""
+    axes = [_axis(ladders, measure) for measure in MEASURES]
+    return [_chart(found, axes) for found in ladders]
+
+
+def summary(ladder: Ladder) -> str:
+    """The whole causes of the local energy error, in one line of plain text."""
+    return ", ".join(
+        f"{c.name} {100 * c.local.value:+.1f} %" for c in ladder.causes if not c.parent
+    )
+
+
+def _chart(ladder: Ladder, axes: Sequence[Axis]) -> Chart:
+    return Chart(
+        object=ladder.object,
+        technique=ladder.technique,
+        truth=ladder.truth,
+        sentences=[*_sentences(ladder)],
+        closure=_closure(ladder),
+        closes=ladder.closes or not _known(ladder.energy_gap, ladder.local_gap),
+        heads=[(m, axis.ticks(m)) for m, axis in zip(MEASURES, axes, strict=True)],
+        lines=[_line(c, axes) for c in [*ladder.causes, ladder.total] if not _nothing(c)],
+    )
+
+
+def _nothing(cause: Cause) -> bool:
+    """Whether a part is nought without any noise: a lobe or map that the material has not."""
+    figures = (cause.energy, cause.local)
+    return bool(cause.parent) and all(f.value == f.low == f.high == 0 for f in figures)
+
+
+def _line(cause: Cause, axes: Sequence[Axis]) -> Line:
+    bars = [_bar(cause, m, axis) for m, axis in zip(MEASURES, axes, strict=True)]
+    return Line(cause.name, MEANINGS.get(cause.name, ""), bool(cause.parent), bars)
+
+
+def _bar(cause: Cause, measure: Measure, axis: Axis) -> Bar | None:
+    figure: Figured | None = getattr(cause, measure.field)
+    if figure is None or not math.isfinite(figure.value):
+        return None
+    diffuse = cause.diffuse.value if measure.field == "energy" and cause.diffuse else None
+    if diffuse is None:
+        spans, told = [axis.span(0, figure.value, "whole")], ""
+    else:
+        specular = figure.value - diffuse
+        spans = _stacked(axis, diffuse, specular)
+        told = f"diffuse {measure.number(diffuse)}, specular {measure.number(specular)}"
+    known = _known(figure)
+    text, spread = measure.number(figure.value), measure.spread(figure)
+    return Bar(
+        zero=axis.zero,
+        spans=[s for s in spans if s.length],
+        whisker=axis.span(figure.low, figure.high) if known else None,
+        text=text,
+        spread=spread,
+        noise=known and figure.low <= 0 <= figure.high and cause.name != "total",
+        split=told,
+    )
+
+
+def _stacked(axis: Axis, diffuse: float, specular: float) -> list[Span]:
+    """Both parts end to end from 0 where their signs agree, else each on its own side."""
+    start = diffuse if diffuse * specular > 0 else 0.0
+    return [axis.span(0, diffuse, "diffuse"), axis.span(start, start + specular, "specular")]
+
+
+def _axis(ladders: Sequence[Ladder], measure: Measure) -> Axis:
+    """An axis that holds 0 and every bar and whisker of a measure, with round ends."""
+    ends = [0.0]
+    for cause in (c for found in ladders for c in [*found.causes, found.total]):
+        if figure := getattr(cause, measure.field):
+            ends += [figure.value, figure.low, figure.high]
+        if measure.field == "energy" and cause.diffuse:
+            ends += [cause.diffuse.value, cause.energy.value - cause.diffuse.value]
+    finite = [e for e in ends if math.isfinite(e)]
+    low, high = min(finite), max(finite)
+    if low == high:
+        return Axis(-1, 1)
+    step = 10 ** math.floor(math.log10(high - low))
+    step = next(s for s in (step / 10, step / 5, step / 2, step) if (high - low) / s <= 10)
+    return Axis(math.floor(low / step) * step, math.ceil(high / step) * step)
+
+
+def _places(measure: Measure, value: float) -> int:
+    """Decimals that an axis' round end needs."""
+    shown = abs(measure.scaled(value))
+    return next(d for d in range(6) if d == 5 or abs(round(shown, d) - shown) < 1e-9)
+
+
+def _known(*figures: Figured) -> bool:
+    """Whether all have an interval."""
+    return all(math.isfinite(f.high - f.low) for f in figures)
+
+
+def _sentences(ladder: Ladder) -> Iterable[str]:
+    """What the bars say, in words."""
+    causes = [c for c in ladder.causes if not c.parent]
+    total = ladder.total.local
+    if not _known(total) or not total.value > 0:
+        yield "The local error is lost in the reference's noise."
+    else:
+        main = max(causes, key=lambda c: c.local.value)
+        share = main.local.value / total.value
+        error = f"the local error of {number(100 * total.value, 1)}{GAP}%"
+        if share > 0.995:
+            yield f"All of {error} is {main.name}, or more: other causes make up for some of it."
+        else:
+            size = "Most" if share > 0.5 else "The largest part"
+            shown = number(100 * main.local.value, 1)
+            yield f"{size} of {error} is {main.name} ({shown} of it)."
+    if ladder.missing:
+        told = [_lacking(name, f) for name, f in ladder.missing.items()]
+        yield f"By the pattern of its blocks, the picture lacks {' and '.join(told)}."
+    over = [c for c in causes if c.energy.low > 0]
+    under = [c for c in causes if c.energy.high < 0]
+    if min(sum(c.energy.value for c in over), -sum(c.energy.value for c in under)) > CANCELS:
+        sides = (", ".join(f"{c.name} {_light(c)}" for c in side) for side in (over, under))
+        left = _light(ladder.total)
+        yield f"In the total, errors cancel: {' against '.join(sides)}, which leaves {left}."
+
+
+def _light(cause: Cause) -> str:
+    """A cause's light, in percent of all."""
+    return f"{number(100 * cause.energy.value, 1, signed=True)}{GAP}%"
+
+
+def _lacking(name: str, figure: Figured) -> str:
+    """A missing fraction with its spread, or that noise hides it."""
+    half = half_width((figure.low, figure.high))
+    if not half <= HIDDEN:  # nor where it is unknown
+        return f"an unknown share of the {ABSENT[name]}"
+    value, spread = number(100 * figure.value, 0), number(100 * half, 0)
+    return f"{value}{GAP}±{GAP}{spread}{GAP}% of the {ABSENT[name]}"
+
+
+def _closure(ladder: Ladder) -> str:
+    """Whether steps and total, from different batches, agree."""
+    if not _known(ladder.energy_gap, ladder.local_gap):
+        return "Too few batches to say whether the steps sum to the total."
+    local, total = (_gap(g) for g in (ladder.local_gap, ladder.energy_gap))
+    if ladder.closes:
+        return (
+            "Steps and total, from different batches, agree within the noise: the gap is "
+            f"{local} of local and {total} of total energy."
+        )
+    return (
+        f"The steps do NOT sum to the total: the gap is {local} of local and {total} of total "
+        "energy. Batches of a reference disagree, so do not trust these bars."
+    )
+
+
+def _gap(figure: Figured) -> str:
+    """A gap with its spread, to hundredths of a percent."""
+    half = half_width((figure.low, figure.high))
+    return f"{number(100 * figure.value, 2, signed=True)}{GAP}±{GAP}{number(100 * half, 2)}{GAP}%"
