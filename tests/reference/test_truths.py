@@ -273,8 +273,8 @@ def test_a_blend_of_stock_materials_is_sampled_by_its_own_density(make_case):
     """`blendbsdf` gives the density of one child; joined with the light's that would be biased."""
     sky = np.full((32, 64, 3), 0.05)
     sky[6:9, 20:24] = 30.0
-    half = plastic(roughness=0.6, weight=0.5, albedo=(0.6, 0.6, 0.6))
-    case = make_case(sky, material=half)
+    half = {"roughness": 0.45, "metallic": 0.5, "metal": "Cu", "albedo": (0.6, 0.6, 0.6)}
+    case = make_case(sky, material=Material(**half))
     ready = stage(case, "physical")
     found = np.mean([ready.trace(256, s)["physical"][ready.ids > 0].mean() for s in range(4)])
     scene, _ = build_scene(case, physical=True)
