@@ -41,7 +41,7 @@ def model_light(
     Returns:
         Radiance by truth, and by "<truth>.diffuse" the part off the first hit's diffuse lobe.
     """
-    truths = _first_hit(scene, sampler, ray, control, stock=False)
+    truths = _first_hit(scene, sampler, ray, control)
     parts = {f"{name}.diffuse": diffuse for name, (_, diffuse) in truths.items()}
     return {name: whole for name, (whole, _) in truths.items()} | parts
 
@@ -50,18 +50,18 @@ def physical_light(
     scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, control: mi.Float
 ) -> Light:
     """The same for Mitsuba's own materials: `physical` is their full transport."""
-    whole, diffuse = _first_hit(scene, sampler, ray, control, stock=True)["global"]
+    whole, diffuse = _first_hit(scene, sampler, ray, control)["global"]
     return {"physical": whole, "physical.diffuse": diffuse}
 
 
 def _first_hit(
-    scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, control: mi.Float, stock: bool
+    scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, control: mi.Float
 ) -> dict[str, tuple[mi.Color3f, mi.Color3f]]:
     """Radiance along `ray` by truth: all of it, and the part of the first hit's diffuse lobe."""
     si = scene.ray_intersect(ray)
     background = scene.environment().eval(si, ~si.is_valid())
-    path = _Arrival(scene, sampler, si, stock)
-    others = [_Arrival(scene, sampler, si, stock).unblocked() for _ in range(SPLIT - 1)]
+    path = _Arrival(scene, sampler, si)
+    others = [_Arrival(scene, sampler, si).unblocked() for _ in range(SPLIT - 1)]
     own = path.unblocked()
     inward = scene.ray_intersect_preliminary(path.onward, coherent=False, active=path.sampled)
     blocked = path.sampled & inward.is_valid()
@@ -94,9 +94,7 @@ class _Arrival:
         from_bsdf: the environment's radiance off the surface from there.
     """
 
-    def __init__(
-        self, scene: mi.Scene, sampler: mi.Sampler, si: mi.SurfaceInteraction3f, stock: bool
-    ) -> None:
+    def __init__(self, scene: mi.Scene, sampler: mi.Sampler, si: mi.SurfaceInteraction3f) -> None:
         light, everything, diffuse = scene.environment(), mi.BSDFContext(), _diffuse_only()
         hit, bsdf = si.is_valid(), si.bsdf()
         ds, radiance = light.sample_direction(si, sampler.next_2d(), hit)
@@ -108,17 +106,13 @@ class _Arrival:
         self.to_light = si.spawn_ray(ds.d)
 
         bs, weight = bsdf.sample(everything, si, sampler.next_1d(), sampler.next_2d(), hit)
-        density = bs.pdf
-        if stock:  # `blendbsdf` gives the density of the child that it chose, not of the blend
-            f, density = bsdf.eval_pdf(everything, si, bs.wo, hit & (bs.pdf > 0))
-            weight = f / density & (density > 0)
-        self.sampled = hit & (density > 0)
+        self.sampled = hit & (bs.pdf > 0)
         away, ds = dr.zeros(mi.SurfaceInteraction3f), dr.zeros(mi.DirectionSample3f)
         ds.d = si.to_world(bs.wo)
         away.wi = -ds.d
-        heuristic = power_heuristic(density, light.pdf_direction(si, ds, self.sampled))
+        heuristic = power_heuristic(bs.pdf, light.pdf_direction(si, ds, self.sampled))
         radiance = light.eval(away, self.sampled) * heuristic & self.sampled
-        of_diffuse = bsdf.eval(diffuse, si, bs.wo, self.sampled) / density
+        of_diffuse = bsdf.eval(diffuse, si, bs.wo, self.sampled) / bs.pdf
         self.weights = weight & self.sampled, of_diffuse & self.sampled
         self.from_bsdf = tuple(w * radiance for w in self.weights)
         self.onward = mi.RayDifferential3f(si.spawn_ray(ds.d))
@@ -132,7 +126,7 @@ def unoccluded(scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f) 
     """The unoccluded radiance along `ray` by one estimate alone."""
     si = scene.ray_intersect(ray)
     background = scene.environment().eval(si, ~si.is_valid())
-    return background + _Arrival(scene, sampler, si, stock=False).unblocked()[0]
+    return background + _Arrival(scene, sampler, si).unblocked()[0]
 
 
 def openness(

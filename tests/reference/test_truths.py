@@ -269,8 +269,8 @@ def test_a_metal_has_no_diffuse_light(make_case):
     assert not ready.trace(16, seed=1)["global.diffuse"][binary_erosion(ready.ids == 3)].any()
 
 
-def test_a_blend_of_stock_materials_is_sampled_by_its_own_density(make_case):
-    """`blendbsdf` gives the density of one child; joined with the light's that would be biased."""
+def test_a_blend_of_stock_materials_agrees_with_samples_of_the_light_alone(make_case):
+    """A density that were not the blend's own would be joined with the light's in the wrong way."""
     sky = np.full((32, 64, 3), 0.05)
     sky[6:9, 20:24] = 30.0
     half = {"roughness": 0.45, "metallic": 0.5, "metal": "Cu", "albedo": (0.6, 0.6, 0.6)}
