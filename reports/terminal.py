@@ -7,7 +7,7 @@ from rich.text import Text
 
 from reports.furnace import MASKINGS, Departure, EnergyClaim, Quantity
 from reports.gate import worst_first
-from reports.results import Results, Row
+from reports.results import Ladder, Results, Row
 
 STYLE = {"pass": "green", "fail": "red", "inconclusive": "yellow", "reported": "dim"}
 
@@ -60,16 +60,30 @@ def print_verdict(results: Results, console: Console) -> None:
     )
     for reason in results.reasons:
         console.print(f"  {reason}", markup=False, soft_wrap=True)
-    for row in worst_first(results.rows)[:3]:
+    ranked = worst_first(results.rows)
+    for row in ranked[:3]:
         if row.verdict != "reported":
             text = Text(f"  {describe(row)}", style=STYLE[row.verdict])
             console.print(text, soft_wrap=True)
+    known = {(f.case, f.object, f.technique): f for f in results.ladders}
+    places = dict.fromkeys((r.case, r.object, r.technique) for r in ranked)
+    for found in [known[p] for p in places if p in known][:3]:
+        console.print(f"  why: {why(found)}", style="dim", markup=False, soft_wrap=True)
 
 
 def skips(results: Results) -> list[str]:
     """How many cases of the suite were left out, as a list of one text or none."""
     count = len(results.skipped)
     return [f"{count} case{'s' * (count > 1)} skipped"] if count else []
+
+
+def why(found: Ladder) -> str:
+    """The causes of one object's local energy error in one line; they sum to the total."""
+    causes = [f"{c.name} {c.local.value:+.1%}" for c in found.causes if not c.parent]
+    sums = "make" if found.closes else "do NOT sum to"
+    total = f"{sums} the {found.total.local.value:.1%} local energy error"
+    place = f"{found.object} in {found.case}, {found.technique} against {found.truth}"
+    return f"{place}: {', '.join(causes)} {total}"
 
 
 def describe(row: Row) -> str:

@@ -154,13 +154,6 @@ def charts(ladders: Sequence[Ladder]) -> list[Chart]:
     return [_chart(found, axes) for found in ladders]
 
 
-def summary(ladder: Ladder) -> str:
-    """The whole causes of the local energy error, in one line of plain text."""
-    return ", ".join(
-        f"{c.name} {100 * c.local.value:+.1f} %" for c in ladder.causes if not c.parent
-    )
-
-
 def _chart(ladder: Ladder, axes: Sequence[Axis]) -> Chart:
     return Chart(
         object=ladder.object,
@@ -252,13 +245,13 @@ def _sentences(ladder: Ladder) -> Iterable[str]:
     else:
         main = max(causes, key=lambda c: c.local.value)
         share = main.local.value / total.value
-        error = f"the local error of {number(100 * total.value, 1)}{GAP}%"
-        if share > 0.995:
-            yield f"All of {error} is {main.name}, or more: other causes make up for some of it."
+        own, whole = (number(100 * f.value, 1) for f in (main.local, total))
+        if share > 1:
+            rest = f"other causes make up for some of it and leave {whole}{GAP}%"
+            yield f"{main.name.capitalize()} makes a local error of {own}{GAP}%; {rest}."
         else:
             size = "Most" if share > 0.5 else "The largest part"
-            shown = number(100 * main.local.value, 1)
-            yield f"{size} of {error} is {main.name} ({shown} of it)."
+            yield f"{size} of the local error of {whole}{GAP}% is {main.name} ({own} of it)."
     if ladder.missing:
         told = [_lacking(name, f) for name, f in ladder.missing.items()]
         yield f"By the pattern of its blocks, the picture lacks {' and '.join(told)}."
@@ -288,16 +281,15 @@ def _closure(ladder: Ladder) -> str:
     """Whether steps and total, from different batches, agree."""
     if not _known(ladder.energy_gap, ladder.local_gap):
         return "Too few batches to say whether the steps sum to the total."
-    local, total = (_gap(g) for g in (ladder.local_gap, ladder.energy_gap))
-    if ladder.closes:
-        return (
-            "Steps and total, from different batches, agree within the noise: the gap is "
-            f"{local} of local and {total} of total energy."
-        )
-    return (
-        f"The steps do NOT sum to the total: the gap is {local} of local and {total} of total "
-        "energy. Batches of a reference disagree, so do not trust these bars."
-    )
+    gaps = ladder.local_gap, ladder.energy_gap
+    local, total = map(_gap, gaps)
+    told = f"the gap is {local} of local and {total} of total energy"
+    if not ladder.closes:
+        doubt = "Batches of a reference disagree, so do not trust these bars."
+        return f"The steps do NOT sum to the total: {told}. {doubt}"
+    if all(g.low <= 0 <= g.high for g in gaps):
+        return f"Steps and total, from different batches, agree within the noise: {told}."
+    return f"Steps and total, from different batches, differ as one in twenty may: {told}."
 
 
 def _gap(figure: Figured) -> str:

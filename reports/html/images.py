@@ -107,19 +107,21 @@ def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:
 
 def cause_maps(frames: CaseFrames, ladders: list[Ladder]) -> list[Picture]:
     """A map of each whole cause; only that of integration differs between techniques."""
-    made = []
     size = frames.record.width, frames.record.height
-    techniques = list(dict.fromkeys(found.technique for found in ladders))
-    for technique in techniques:
-        of = {f.object: f.truth for f in ladders if f.technique == technique}
-        rows = [r for r in frames.rows if r.technique == technique and of.get(r.object) == r.truth]
-        if not rows:
-            continue
-        causes = NAMES[: 1 + RUNGS.index(rows[0].truth)]
-        for name in causes if technique == techniques[0] else causes[:1]:
-            label = technique if name == NAMES[0] else ""
-            made.append(_made(name, label, "", size, partial(_cause_map, frames, rows, name)))
-    return made
+    climbed = {(f.object, f.technique, f.truth) for f in ladders}
+    rows: dict[str, list[Row]] = {}
+    for row in frames.rows:
+        if (row.object, row.technique, row.truth) in climbed:
+            rows.setdefault(row.technique, []).append(row)
+    if not rows:
+        return []
+    one = next(iter(rows.values()))
+    wanted = [(NAMES[0], technique, own) for technique, own in rows.items()]
+    wanted += [(name, "", one) for name in NAMES[1 : 1 + RUNGS.index(one[0].truth)]]
+    return [
+        _made(name, technique, "", size, partial(_cause_map, frames, own, name))
+        for name, technique, own in wanted
+    ]
 
 
 def _cause_map(frames: CaseFrames, rows: list[Row], name: str) -> str:
