@@ -32,7 +32,7 @@ def connect(address: str) -> Executor:
     try:
         from distributed import Client
     except ImportError as error:
-        remedy = "install it: pip install 'shadeproof[cluster]'"
+        remedy = "install the extra: pip install '.[cluster]'"
         raise InputError("--cluster", "", "needs the package distributed", remedy) from error
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters, we raise
     try:

@@ -146,7 +146,7 @@ def test_a_worker_that_would_make_another_picture_says_so(make_case, refused):
 
 def test_a_cluster_needs_its_package(monkeypatch, refused):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    refused(lambda: executor.connect("tcp://127.0.0.1:1"), "--cluster", "shadeproof[cluster]")
+    refused(lambda: executor.connect("tcp://127.0.0.1:1"), "--cluster", ".[cluster]")
 
 
 @pytest.fixture(scope="module")
