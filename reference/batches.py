@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from reference.executor import Serial
+from reference.executor import Serial, explained
 from reference.settings import FEWEST_BATCHES, TRUTHS, Kind, kind_of, rounded_samples
 from reference.store import Store, key
 from reference.variant import mitsuba
@@ -218,7 +218,7 @@ def _trace(tasks: list[Task], store: Store, executor: Executor) -> Iterator[tupl
         try:
             frame, traced = future.result()
         except Exception as error:
-            failures.append(error)
+            failures.append(explained(error))
             return
         store.save(*task, frame, traced)
         yield task, frame

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable
-from concurrent.futures import Executor, Future
+from concurrent.futures import CancelledError, Executor, Future
 from typing import Any
 
 from scenes.errors import InputError
@@ -34,7 +34,8 @@ def connect(address: str) -> Executor:
     except ImportError as error:
         remedy = "install the extra: pip install '.[cluster]'"
         raise InputError("--cluster", "", "needs the package distributed", remedy) from error
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters, we raise
+    for name in ("distributed", "distributed.client"):  # what matters, we raise
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
@@ -47,3 +48,14 @@ def connect(address: str) -> Executor:
         remedy = f"start some: dask worker {address} --nthreads 1"
         raise InputError("--cluster", address, "the scheduler has no workers", remedy) from error
     return client.get_executor(pure=False)
+
+
+def explained(error: Exception) -> Exception:
+    """The loss of a cluster's machines as a line for its user; any other failure as it is."""
+    if isinstance(error, CancelledError):
+        remedy = "start it and the workers again, and run again: finished batches are kept"
+        return InputError("--cluster", "", "the scheduler was lost", remedy)
+    if type(error).__name__ == "KilledWorker":  # distributed is not imported without a cluster
+        remedy = "see their logs, and what memory they have"
+        return InputError("--cluster", "", "one batch lost every worker that tried it", remedy)
+    return error

@@ -15,7 +15,7 @@ import numpy as np
 from scipy import stats
 
 from reference.batches import Task, trace_batch
-from reference.executor import Serial
+from reference.executor import Serial, explained
 from reference.settings import FEWEST_BATCHES, Kind
 from reference.store import Store
 from scenes.frame import Frame
@@ -111,7 +111,10 @@ def _fresh(
 ) -> list[Frame]:
     tasks = [Task(case, kind, sampling, FRESH + n) for n in range(count)]
     futures = [executor.submit(trace_batch, task, task.identity) for task in tasks]
-    return [future.result()[0] for future in as_completed(futures)]
+    try:
+        return [future.result()[0] for future in as_completed(futures)]
+    except Exception as error:
+        raise explained(error) from error
 
 
 def compare(case: Case, old: list[Frame], new: list[Frame]) -> tuple[Regions, Regions]:

@@ -6,11 +6,12 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import Executor, Future
+from concurrent.futures import CancelledError, Executor, Future
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from distributed.scheduler import KilledWorker
 
 from reference import batches, executor
 from reference.batches import Task, grow, lacking, prefetch, trace_batch
@@ -142,6 +143,31 @@ def test_a_worker_that_would_make_another_picture_says_so(make_case, refused):
     gone = task.case.environment.model_copy(update={"path": "/nowhere.exr"})
     task = task._replace(case=task.case.model_copy(update={"environment": gone}))
     refused(lambda: trace_batch(task, "0" * 64), "/nowhere.exr cannot be read", "same paths")
+
+
+@pytest.mark.parametrize(
+    ("loss", "told"),
+    [
+        (CancelledError(), "the scheduler was lost"),
+        (KilledWorker("trace_batch", None, 3), "every worker that tried it"),
+    ],
+    ids=["scheduler", "workers"],
+)
+def test_the_loss_of_a_cluster_is_one_line(make_case, tmp_path, fake, refused, loss, told):
+    class Lost(Executor):
+        def submit(self, fn, /, *args):
+            future = Future()
+            if args[0].number < 3:
+                future.set_result(fn(*args))
+            else:
+                future.set_exception(loss)
+            return future
+
+    case, store = make_case(), Store(tmp_path / "store")
+    refused(
+        lambda: grow(case, "model", FEW, lambda _: True, store, None, Lost()), "--cluster", told
+    )
+    assert len(list_of(store, case)) == 3
 
 
 def test_a_cluster_needs_its_package(monkeypatch, refused):
