@@ -23,7 +23,7 @@ from scenes.mesh import load_mesh, placement
 from scenes.schema import Case, Model, Object
 
 REPEATS = 5
-TIMING_SECONDS = 1.0  # slow techniques are timed over fewer frames
+TIMING_SECONDS = 0.4  # slow techniques are timed over fewer frames
 
 
 @dataclass(frozen=True, eq=False)

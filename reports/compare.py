@@ -1,12 +1,12 @@
 """Comparison: one candidate against one truth, object by object."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from reports.display import exposure_for
-from reports.metrics import METRICS
+from reports.metrics import METRICS, Metric
 from reports.metrics.subject import Subject, TruthView, crop_of
 from scenes.frame import Frame
 from scenes.schema import Case, Object
@@ -46,40 +46,34 @@ def exposures_of(case: Case, batches: list[Frame]) -> dict[str, float]:
     return {o.name: exposure_for(mean, batches[0].ids == case.index(o.name)) for o in case.judged}
 
 
-def compare(case: Case, candidate: Frame, truth: Truth) -> Iterator[tuple[Object, dict[str, Any]]]:
-    """The figures of every judged object, as fields of reports.results.Row.
+def compare(
+    case: Case, obj: Object, candidate: Frame, truth: Truth, metrics: Sequence[Metric] = METRICS
+) -> dict[str, Any]:
+    """The figures of a judged object, as fields of reports.results.Row.
 
     A picture that cannot be measured gives only `problem` and the counts that explain it.
     """
-    for obj in case.judged:
-        view = truth.views.get(obj.name)
-        if view is None:
-            yield obj, {"problem": "the object covers no pixel of the truth"}
-            continue
-        if candidate.rgb.shape[:2] != truth.ids.shape:
-            got, want = candidate.rgb.shape[1::-1], truth.ids.shape[::-1]
-            yield obj, {"problem": f"is {got[0]}x{got[1]} pixels, not {want[0]}x{want[1]}"}
-            continue
-        if bad := int((~np.isfinite(candidate.rgb).all(axis=2)).sum()):
-            yield (
-                obj,
-                _counts(candidate.rgb[truth.ids == case.index(obj.name)])
-                | {"problem": f"{bad} pixels of the picture hold NaN or Inf"},
-            )
-            continue
-        pixels = candidate.rgb[truth.crops[obj.name]]
-        fields = _counts(pixels[view.mask]) | {"exposure": view.exposure}
-        if candidate.ids is not None:
-            overlap = _overlap(candidate.ids, truth.ids, case.index(obj.name))
-            # Masks are exact, without noise.
-            fields |= {"silhouette": overlap, "silhouette_ci95": (overlap, overlap)}
-        if problem := _unusable(pixels, fields, view):
-            yield obj, fields | {"problem": problem}
-            continue
-        subject = Subject(pixels, view)
-        for figures in METRICS:
-            fields |= figures(subject)
-        yield obj, fields
+    view = truth.views.get(obj.name)
+    if view is None:
+        return {"problem": "the object covers no pixel of the truth"}
+    if candidate.rgb.shape[:2] != truth.ids.shape:
+        got, want = candidate.rgb.shape[1::-1], truth.ids.shape[::-1]
+        return {"problem": f"is {got[0]}x{got[1]} pixels, not {want[0]}x{want[1]}"}
+    if bad := int((~np.isfinite(candidate.rgb).all(axis=2)).sum()):
+        own = candidate.rgb[truth.ids == case.index(obj.name)]
+        return _counts(own) | {"problem": f"{bad} pixels of the picture hold NaN or Inf"}
+    pixels = candidate.rgb[truth.crops[obj.name]]
+    fields = _counts(pixels[view.mask]) | {"exposure": view.exposure}
+    if candidate.ids is not None:
+        overlap = _overlap(candidate.ids, truth.ids, case.index(obj.name))
+        # Masks are exact, without noise.
+        fields |= {"silhouette": overlap, "silhouette_ci95": (overlap, overlap)}
+    if problem := _unusable(pixels, fields, view):
+        return fields | {"problem": problem}
+    subject = Subject(pixels, view)
+    for figures in metrics:
+        fields |= figures(subject)
+    return fields
 
 
 def _counts(pixels: np.ndarray) -> dict[str, int]:

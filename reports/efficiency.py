@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from reports.compare import Truth, compare, exposures_of
+from reports.metrics import JUDGED
 from scenes.frame import Frame
 from scenes.schema import Case
 
@@ -73,7 +74,10 @@ def efficiencies(
     for truth, batches in ours.items():
         with_ids = [replace(f, ids=batches[0].ids) for f in plain[truth]]
         views = [Truth(case, truth, b, exposures) for b in (batches, with_ids)]
-        found = [{o.name: f for o, f in compare(case, candidate, view)} for view in views]
+        found = [
+            {o.name: compare(case, o, candidate, view, JUDGED) for o in case.judged}
+            for view in views
+        ]
         for obj in case.judged:
             for figure, noise in FIGURES.items():
                 se, plain_se = (f[obj.name].get(noise, math.nan) for f in found)

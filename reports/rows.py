@@ -1,10 +1,13 @@
 """Rows: what is known of every judged object of a case, candidate by candidate."""
 
-from collections.abc import Sequence
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from reports import gate
 from reports.compare import Truth, compare
+from reports.metrics import FURTHER, JUDGED
 from reports.results import Row
 from scenes.frame import Frame
 from scenes.schema import Case, Object
@@ -21,7 +24,7 @@ def judged_rows(
     rules: Sequence[Budget],
     family: int = 1,
 ) -> list[Row]:
-    """The rows of a case against one truth, with their verdicts.
+    """The rows of a case against one truth, with their verdicts and the figures these need.
 
     Args:
         frames: the candidates' pictures by technique.
@@ -36,15 +39,41 @@ def judged_rows(
         for label, problem in failures.items()
         for obj in case.judged
     ]
-    for label, frame in frames.items():
+
+    def row(label: str, obj: Object) -> Row:
+        frame = frames[label]
         made = frame.provenance.get("precomputation_seconds", float("nan"))
         times = {"frame_ms": frame.seconds * 1e3, "precomputation_ms": made * 1e3}
-        for obj, figures in compare(case, frame, truth):
-            few = _few_pixels(obj, figures.get("pixels", 0))
-            rows.append(
-                Row(**_identity(case, obj, label), **_cost(truth), **times, **figures, note=few)
-            )
+        figures = compare(case, obj, frame, truth, JUDGED)
+        few = _few_pixels(obj, figures.get("pixels", 0))
+        return Row(**_identity(case, obj, label), **_cost(truth), **times, **figures, note=few)
+
+    pairs = [(label, obj) for label in frames for obj in case.judged]
+    rows += _threaded(lambda pair: row(*pair), pairs)
     return [gate.judge(row, rules, family) for row in rows]
+
+
+def measured_further(
+    case: Case, truths: Mapping[str, Truth], frames: dict[str, Frame], rows: Sequence[Row]
+) -> list[Row]:
+    """Rows with the figures that no verdict needs."""
+    objects = {o.name: o for o in case.judged}
+
+    def measured(row: Row) -> Row:
+        if row.problem:
+            return row
+        further = compare(
+            case, objects[row.object], frames[row.technique], truths[row.truth], FURTHER
+        )
+        return row.model_copy(update=further)
+
+    return _threaded(measured, rows)
+
+
+def _threaded(work: Callable[[Any], Row], items: Sequence[Any]) -> list[Row]:
+    """Work on each item, in order; the filters that take the time let other threads run."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(work, items))
 
 
 def _few_pixels(obj: Object, pixels: int) -> str:

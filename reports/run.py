@@ -34,7 +34,7 @@ from reports.efficiency import Efficiency, efficiencies
 from reports.ladder import MODEL_STEPS, Drawn, ladder
 from reports.progress import Reporter, reporting
 from reports.results import CaseRecord, Ladder, Missing, Results, Row
-from reports.rows import judged_rows
+from reports.rows import judged_rows, measured_further
 from reports.speed import Timing
 from reports.stability import MASKINGS, Agreement, agreement, directions, materials, oracle
 from scenes.environment import load_environment
@@ -55,6 +55,7 @@ class Job:
     Attributes:
         frozen: use the references that are stored, and trace nothing.
         cluster: the Dask scheduler whose workers trace their batches; this process if empty.
+        brief: of what meets its budget, measure no more than the verdict needs.
     """
 
     suite_name: str
@@ -65,6 +66,7 @@ class Job:
     command: str = ""
     frozen: bool = False
     cluster: str = ""
+    brief: bool = False
     suite: Suite = field(init=False)
     path: Path = field(init=False)
     entries: list[Entry] = field(init=False)
@@ -226,6 +228,7 @@ def _run_entry(
     rows: list[Row] = []
     exposures: dict[str, float] = {}
     truths: dict[str, list[Frame]] = {}
+    views: dict[str, Truth] = {}
     for source in sources(entry):
         report.step(f"{case.id}: compare with {', '.join(source.truths)}")
         judged: list[Row] = []
@@ -235,9 +238,9 @@ def _run_entry(
             exposures = exposures or exposures_of(case, batches)
             judged = []
             for name, own in source.truths.items() if source.judged else ():
-                truth = Truth(case, name, [truth_of(b, own) for b in batches], exposures)
+                views[name] = Truth(case, name, [truth_of(b, own) for b in batches], exposures)
                 rules = job.suite.budget
-                judged += judged_rows(case, truth, frames, failures, rules, job.family)
+                judged += judged_rows(case, views[name], frames, failures, rules, job.family)
             return all(gate.settled(r) for r in judged)
 
         def traced(done: int, wanted: int, source: Source = source) -> None:
@@ -259,7 +262,14 @@ def _run_entry(
         rows += judged
         for name, own in source.truths.items():
             truths[name] = [truth_of(b, own) for b in batches]
-    ladders = _ladders(job, entry, frames, truths, rows)
+    if job.brief:  # of what meets its budget no more is said
+        told = {(r.technique, r.object) for r in rows if r.verdict in ("fail", "inconclusive")}
+    else:
+        told = {(r.technique, r.object) for r in rows}
+    report.detail(f"{case.id}: measure further, and tell causes")
+    further = measured_further(case, views, frames, [r for r in rows if _about(r) in told])
+    rows = [r for r in rows if _about(r) not in told] + further
+    ladders = _ladders(job, entry, frames, truths, further)
     for label, frame in frames.items():
         for name in entry.truths:
             own = [r for r in rows if (r.technique, r.truth) == (label, name)]
@@ -281,6 +291,10 @@ def _run_entry(
     return record, rows, ladders
 
 
+def _about(row: Row) -> tuple[str, str]:
+    return row.technique, row.object
+
+
 def _ladders(
     job: Job,
     entry: Entry,
@@ -288,17 +302,19 @@ def _ladders(
     truths: dict[str, list[Frame]],
     rows: list[Row],
 ) -> list[Ladder]:
-    """Error by cause for every judged object and technique, where the entry has the truths."""
+    """Error by cause for every object and technique that has rows, where there are the truths."""
     made = []
     for label, frame in frames.items():
+        if not any(r.technique == label for r in rows):
+            continue
         drawn = Drawn(frame.rgb)
         if not job.outside:
             thrown = switched(technique(label), entry.case.model)
             pictures = {n: Renderer(t, repeats=0).render(entry.case).rgb for n, t in thrown.items()}
             drawn = Drawn(frame.rgb, pictures.pop("specular"), pictures)
         for obj in entry.case.judged:
-            own = [r for r in rows if (r.technique, r.object) == (label, obj.name)]
-            if found := ladder(entry.case, obj, label, drawn, truths, own):
+            own = [r for r in rows if _about(r) == (label, obj.name)]
+            if own and (found := ladder(entry.case, obj, label, drawn, truths, own)):
                 made.append(found)
     return made
 

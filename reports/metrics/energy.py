@@ -56,7 +56,7 @@ def energy_error(subject: Subject, channel: int | None = None) -> Estimate:
         return pixels.mean(axis=-1, dtype=np.float64) if channel is None else pixels[..., channel]
 
     candidate = float(light(subject.candidate[mask]).sum(dtype=np.float64))
-    pixels = light(subject.truth.groups[:, mask])
+    pixels = light(subject.truth.batches[:, mask])
     truth = float(pixels.sum(dtype=np.float64)) / len(pixels)
     if truth <= 0:
         return Estimate(0.0 if candidate == 0 else math.inf)
@@ -151,5 +151,5 @@ def _blocks(subject: Subject) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     def summed(pixels: np.ndarray) -> np.ndarray:
         return np.stack([np.bincount(inverse, pixels[:, c], count) for c in range(3)], axis=1)
 
-    batches = np.stack([summed(batch[mask]) for batch in subject.truth.groups])
+    batches = np.stack([summed(batch[mask]) for batch in subject.truth.batches])
     return np.bincount(inverse).astype(float), summed(subject.candidate[mask]), batches
