@@ -213,6 +213,7 @@ def test_a_worker_killed_half_way_costs_only_its_batch(make_case, scheduler, tmp
     (tmp_path / "counting.py").write_text(COUNTING)
     begun = tmp_path / "begun"
     command = [*DASK, "worker", scheduler, *LOCAL, "--nthreads", "1", "--no-nanny"]
+    command += ["--death-timeout", "30"]  # none outlives its scheduler
     workers = [
         subprocess.Popen(
             [*command, "--preload", str(tmp_path / "counting.py")],
