@@ -1,6 +1,8 @@
 """What the report shows of frames: pictures at one exposure and maps on fixed scales."""
 
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
@@ -65,19 +67,17 @@ def case_pictures(frames: CaseFrames) -> list[Picture]:
     size = frames.record.width, frames.record.height
     techniques = list(dict.fromkeys([*frames.record.candidates, *(r.technique for r in rows)]))
     truths = list(dict.fromkeys([*frames.record.truths, *(r.truth for r in rows)]))
-    pictures = [
-        _made("candidate", t, "", size, partial(_whole, frames, frames.candidate, t))
-        for t in techniques
+    wanted = [
+        ("candidate", t, "", size, partial(_whole, frames, frames.candidate, t)) for t in techniques
     ]
-    pictures += [
-        _made("truth", "", t, size, partial(_whole, frames, frames.truth, t)) for t in truths
-    ]
+    wanted += [("truth", "", t, size, partial(_whole, frames, frames.truth, t)) for t in truths]
     for technique, truth in dict.fromkeys((r.technique, r.truth) for r in rows):
         pair = [r for r in rows if (r.technique, r.truth) == (technique, truth)]
-        pictures += [
-            _made(kind, technique, truth, size, partial(_map, frames, pair, kind)) for kind in MAPS
+        wanted += [
+            (kind, technique, truth, size, partial(_map, frames, pair, kind)) for kind in MAPS
         ]
-    return pictures
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(lambda picture: _made(*picture), wanted))
 
 
 def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:

@@ -8,6 +8,6 @@ from reports.metrics.subject import Subject
 
 Metric = Callable[[Subject], dict[str, Any]]
 # Each takes a subject and returns fields of reports.results.Row.
-JUDGED: tuple[Metric, ...] = (ssim.figures, energy.figures)  # what budgets can be given for
-FURTHER: tuple[Metric, ...] = (relmse.figures, flip.figures)
+JUDGED: tuple[Metric, ...] = (ssim.judged, energy.figures)  # what budgets can be given for
+FURTHER: tuple[Metric, ...] = (ssim.further, relmse.figures, flip.figures)
 METRICS = (*JUDGED, *FURTHER)

@@ -182,24 +182,30 @@ def _window(image: np.ndarray) -> np.ndarray:
     return gaussian_filter(image, (1.5, 1.5, 0), truncate=3.5)
 
 
-def figures(subject: Subject) -> dict[str, Any]:
-    """Fields ssim, ssim_p5, ssim_highlights and ssim_raw with intervals, over the eroded mask.
+def judged(subject: Subject) -> dict[str, Any]:
+    """Field ssim with its interval, over the eroded mask.
 
     Where the truth's noise is so large that denominators vanish or the figure is biased, the
-    intervals are NaN: the figures are then not known, and more samples are needed. ssim_raw is
-    the plain figure, noise and all; its interval is for this number of samples.
+    interval is NaN: the figure is then not known, and more samples are needed.
     """
-    truth = subject.truth
-    bright = Maps(subject, truth.exposure)
-    ssim = bright.mean()
-    worst = bright.percentile()
-    dark = Maps(subject, truth.exposure * HIGHLIGHTS).mean()
-    raw = bright.raw(_raw(subject))
+    ssim = Maps(subject, subject.truth.exposure).mean()
     return {
         "ssim": ssim.value,
         "ssim_ci95": ssim.interval(),
         "ssim_se": ssim.se,
         "ssim_dof": ssim.dof,
+    }
+
+
+def further(subject: Subject) -> dict[str, Any]:
+    """Fields ssim_p5, ssim_highlights and ssim_raw with intervals, as `judged`.
+
+    ssim_raw is the plain figure, noise and all; its interval is for this number of samples.
+    """
+    bright = Maps(subject, subject.truth.exposure)
+    worst, raw = bright.percentile(), bright.raw(_raw(subject))
+    dark = Maps(subject, subject.truth.exposure * HIGHLIGHTS).mean()
+    return {
         "ssim_raw": raw.value,
         "ssim_raw_ci95": raw.interval(),
         "ssim_p5": worst.value,
@@ -207,6 +213,11 @@ def figures(subject: Subject) -> dict[str, Any]:
         "ssim_highlights": dark.value,
         "ssim_highlights_ci95": dark.interval(),
     }
+
+
+def figures(subject: Subject) -> dict[str, Any]:
+    """All of them."""
+    return judged(subject) | further(subject)
 
 
 def ssim_map(subject: Subject, exposure: float) -> np.ndarray:
