@@ -41,7 +41,7 @@ def tiny(shadeproof, tmp_path_factory):
     folder = tmp_path_factory.mktemp("tiny")
     code, out, err = shadeproof("compare", "--suite", "tiny", "--out", folder, "--json")
     assert code == 0, err
-    assert json.loads(out)["schema_version"] == 1
+    assert json.loads(out)["schema_version"] == 2
     return folder
 
 

@@ -21,7 +21,7 @@ def rows_of(folder):
 def test_compare_gives_a_row_per_object_technique_and_truth(tiny):
     results = load_results(tiny / "results.json")
     assert results.missing == []
-    assert len(results.rows) == results.expected_rows == 3 * 2 * 2
+    assert len(results.rows) == results.expected_rows == 3 * 2 * 4
     assert {r.object for r in results.rows} == {"sphere", "floor", "wall"}
     for row in results.rows:
         assert not row.problem
@@ -83,7 +83,7 @@ def test_a_folder_of_pictures_is_a_candidate(shadeproof, tiny, pictures, tmp_pat
     assert code == 0, err
     ours = {(r.object, r.truth): r for r in rows_of(tiny) if r.technique == "sampled"}
     theirs = rows_of(tmp_path / "out")
-    assert len(theirs) == 6
+    assert len(theirs) == 12
     for row in theirs:
         assert row.technique == "candidate"
         assert row.energy_error == ours[row.object, row.truth].energy_error
@@ -131,7 +131,7 @@ def test_a_bad_picture_fails_its_own_rows(shadeproof, tmp_path, kind, problem):
     code, _, err = shadeproof("gate", "--suite", "tiny", "--candidate", folder, "--out", out)
     assert code == 1, err
     rows = rows_of(out)
-    assert len(rows) == 6
+    assert len(rows) == 12
     assert all(r.verdict == "fail" for r in rows if r.problem)
     assert any(problem in r.problem for r in rows)
 
@@ -153,7 +153,7 @@ def test_a_failing_command_fails_its_own_rows(shadeproof, tmp_path, body, proble
     code, _, err = shadeproof(*words, "--out", tmp_path / "out")
     assert code == 1, err
     rows = rows_of(tmp_path / "out")
-    assert len(rows) == 6
+    assert len(rows) == 12
     assert all(problem in r.problem and r.verdict == "fail" for r in rows)
 
 
@@ -281,3 +281,52 @@ def test_a_users_error_is_one_line_and_exit_code_2(shadeproof, words, says):
     assert last[0].startswith("error: ")
     assert says in last[0]
     assert "Traceback" not in out + err
+
+
+def test_compare_tells_the_causes_of_every_objects_error(tiny):
+    results = load_results(tiny / "results.json")
+    assert {(f.object, f.technique) for f in results.ladders} == {
+        (r.object, r.technique) for r in results.rows
+    }
+    paper = next(f for f in results.ladders if (f.object, f.technique) == ("floor", "paper"))
+    whole = [c for c in paper.causes if not c.parent]
+    assert [c.name for c in whole] == ["integration", "occlusion", "interreflection", "model"]
+    parts = [c for c in paper.causes if c.parent == "integration"]
+    assert {c.name for c in parts} == {"irradiance map", "kd at n·v", "table", "prefilter"}
+    assert sum(c.energy.value for c in parts) == pytest.approx(whole[0].energy.value, abs=1e-4)
+    assert paper.closes
+
+
+def test_a_gate_measures_further_only_what_misses_its_budget(shadeproof, tmp_path):
+    suite = STRICT.format(energy=1e-6)
+    (tmp_path / "strict.toml").write_text(suite)
+    out = tmp_path / "out"
+    code, _, _ = shadeproof("gate", "--suite", tmp_path / "strict.toml", "--out", out)
+    results = load_results(out / "results.json")
+    assert code == 1
+    failed = {(r.technique, r.object) for r in results.rows if r.verdict == "fail"}
+    assert failed == {("paper", "floor")}
+    assert {(f.technique, f.object) for f in results.ladders} == failed
+    for row in results.rows:
+        assert np.isfinite(row.ssim)
+        assert np.isfinite(row.flip) == ((row.technique, row.object) in failed)
+
+
+STRICT = """
+description = "One object misses its budget"
+techniques = ["paper"]
+truths = ["unoccluded", "direct"]
+[reference]
+samples_per_batch = 16
+max_samples = 128
+[[run]]
+scene = "contact"
+environments = ["studio"]
+resolution = [96, 72]
+[[budget]]
+technique = "paper"
+truth = "unoccluded"
+object = "floor"
+energy_error = {energy}
+reason = "a test"
+"""
