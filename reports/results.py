@@ -83,6 +83,8 @@ class Row(Record):
     relmse_ci95: Interval = UNKNOWN_INTERVAL
     relmse_median: Figure = UNKNOWN
     relmse_median_ci95: Interval = UNKNOWN_INTERVAL
+    chroma_error: Figure = UNKNOWN
+    chroma_error_ci95: Interval = UNKNOWN_INTERVAL
     flip: Figure = UNKNOWN
     flip_ci95: Interval = UNKNOWN_INTERVAL
     silhouette: Figure = UNKNOWN

@@ -66,6 +66,9 @@ GROUPS: tuple[tuple[str, tuple[Column, ...]], ...] = (
                _with_interval("relmse", _small)),
         Column("median", "relative squared error, median over 8×8 blocks",
                _with_interval("relmse_median", _small)),
+        Column("chroma", "how much duller (−) or more vivid: mean CIELAB chroma after exposure and "
+               "sRGB, candidate over reference, minus 1",
+               _with_interval("chroma_error", _signed)),
         Column("FLIP", "HDR-FLIP, 0 is the same; bounds for the reference's noise",
                _with_interval("flip", f.similarity)),
         Column("silhouette", "overlap of the two masks, 1 is the same", _budgeted("silhouette")),

@@ -6,7 +6,7 @@ from scipy.ndimage import gaussian_filter
 from skimage.metrics import structural_similarity
 
 from reports.display import display, exposure_for
-from reports.metrics import METRICS, energy, flip, relmse, ssim
+from reports.metrics import METRICS, chroma, energy, flip, relmse, ssim
 from reports.metrics.subject import Subject, TruthView
 
 RNG = np.random.default_rng(7)
@@ -276,3 +276,16 @@ def test_flip_of_pictures_side_by_side_is_that_of_each_alone():
     for k in range(2):
         alone = flip._maps(subject(picture(), truth), [truth[k]])[0]
         assert np.abs(beside[k] - alone)[mask()].max() < 1e-5
+
+
+def test_chroma_tells_a_dull_picture_from_a_dark_one():
+    red = np.broadcast_to([0.4, 0.05, 0.04], (96, 96, 3)).astype(np.float32)
+    grey = red.mean(axis=2, keepdims=True)
+    same = chroma.figures(subject(red, noisy(red, 8, 0.05)))
+    low, high = same["chroma_error_ci95"]
+    assert low <= 0 <= high
+    assert high - low < 0.01
+    dull = chroma.figures(subject(0.8 * red + 0.2 * grey, noisy(red, 8, 0.05)))
+    assert dull["chroma_error"] < -0.1
+    colourless = chroma.figures(subject(red, np.stack([0 * red + 0.2] * 8)))
+    assert np.isnan(colourless["chroma_error"])
