@@ -139,7 +139,7 @@ def references(
     cluster: ClusterOption = "",
 ) -> None:
     """Path-trace the references of a suite ahead of time and keep them."""
-    from reports.run import references as make
+    from reports.run.tracing import references as make
 
     job = _job(suite, OUT, store, filter, frozen=frozen, cluster=cluster)
     for case, truth, spp, seconds in make(job, samples):
@@ -205,7 +205,7 @@ def bench(
     store: StoreOption = STORE,
 ) -> None:
     """Time every technique of a suite beside one path-traced sample per pixel."""
-    from reports.run import bench as measure
+    from reports.run.measures import bench as measure
     from reports.speed import print_timings
 
     print_timings(measure(_job(suite, OUT, store, filter)), console)
@@ -220,7 +220,7 @@ def calibrate(
     """Measure whether the intervals hold, on a stored pool of batches; see docs/noise.md."""
     from reports.calibration import print_tables, resample
     from reports.progress import reporting
-    from reports.run import pools as make
+    from reports.run.tracing import pools as make
 
     records, pools = [], make(_job("calibration", OUT, store, filter))
     with reporting(resamplings * len(pools)) as progress:
@@ -237,7 +237,7 @@ def efficiency(
 ) -> None:
     """Time the references to an interval, beside the plain path tracer."""
     from reports.efficiency import print_efficiencies
-    from reports.run import efficiency as measure
+    from reports.run.measures import efficiency as measure
 
     print_efficiencies(measure(_job(suite, OUT, store, filter)), console)
 
@@ -245,7 +245,7 @@ def efficiency(
 @app.command()
 def stability() -> None:
     """Hold the shaders' BRDF against double precision and Mitsuba, direction by direction."""
-    from reports.run import stability as measure
+    from reports.run.measures import stability as measure
 
     found = measure()
     for a in found:
@@ -280,7 +280,7 @@ def _job(
     brief: bool = False,
 ):
     from reports.candidates import outside_candidate
-    from reports.run import Job
+    from reports.run.job import Job
 
     outside = outside_candidate(candidate, timeout) if candidate else None
     command = shlex.join(["shadeproof", *sys.argv[1:]])
@@ -301,7 +301,7 @@ def _compare(job, json: bool):
     """Run a job, write everything that it gives, and say the verdict."""
     from reports.ci import annotate, write_junit
     from reports.results import save_results
-    from reports.run import run
+    from reports.run.suite import run
     from reports.terminal import print_results
 
     results = run(job)
@@ -318,7 +318,7 @@ def _compare(job, json: bool):
 
 
 def _print_plan(job) -> None:
-    from reports.run import plan
+    from reports.run.tracing import plan
 
     for line in plan(job):
         typer.echo(line)

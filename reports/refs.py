@@ -12,7 +12,7 @@ from reference.settings import FEWEST_BATCHES, Kind
 from reference.store import Record, Store
 from reference.verify import FAMILY_ERROR, Check, verify
 from reports.progress import reporting
-from reports.run import Job, sources
+from reports.run.job import Job, sources
 from scenes.errors import InputError
 from scenes.schema import Case
 from scenes.suite import Sampling

@@ -1,0 +1,157 @@
+"""One case: its candidates, reference by reference, then the causes of error."""
+
+from pathlib import Path
+
+import numpy as np
+
+from reference.batches import grow, truth_of
+from reference.store import Store
+from renderer.draw import Renderer, object_ids
+from renderer.features import switched, technique
+from reports import gate, parity
+from reports.candidates import CandidateError
+from reports.compare import Truth, exposures_of
+from reports.ladder import Drawn, ladder
+from reports.progress import Reporter
+from reports.results import CaseRecord, Ladder, Row
+from reports.rows import judged_rows, measured_further
+from reports.run.job import Job, Source, sources
+from scenes.errors import InputError
+from scenes.frame import Frame, save_frame
+from scenes.schema import Case
+from scenes.suite import Entry
+
+
+def run_entry(
+    job: Job, entry: Entry, report: Reporter, checks: parity.Checks
+) -> tuple[CaseRecord, list[Row], list[Ladder]]:
+    """One case: all its candidates, then reference by reference, then the causes of error."""
+    case = entry.case
+    _check_visible(case, job.path)
+    frames, failures = _draw(job, entry, report)
+    rows: list[Row] = []
+    exposures: dict[str, float] = {}
+    truths: dict[str, list[Frame]] = {}
+    views: dict[str, Truth] = {}
+    for source in sources(entry):
+        report.step(f"{case.id}: compare with {', '.join(source.truths)}")
+        judged: list[Row] = []
+
+        def enough(batches: list[Frame], source: Source = source) -> bool:
+            nonlocal exposures, judged
+            exposures = exposures or exposures_of(case, batches)
+            judged = []
+            for name, own in source.truths.items() if source.judged else ():
+                views[name] = Truth(case, name, [truth_of(b, own) for b in batches], exposures)
+                rules = job.suite.budget
+                judged += judged_rows(case, views[name], frames, failures, rules, job.family)
+            return all(gate.settled(r) for r in judged)
+
+        def traced(done: int, wanted: int, source: Source = source) -> None:
+            named = " and ".join(source.truths)
+            report.detail(f"{case.id}: trace {named}, batch {done} of {wanted}")
+
+        batches = grow(
+            source.case,
+            source.kind,
+            job.suite.reference,
+            enough,
+            Store(job.store),
+            traced,
+            job.executor,
+            job.frozen,
+        )
+        if source.judged and (not judged or judged[0].reference_batches != len(batches)):
+            enough(batches)  # at the cap `grow` does not ask
+        rows += judged
+        for name, own in source.truths.items():
+            truths[name] = [truth_of(b, own) for b in batches]
+    if job.brief:  # of what meets its budget no more is said
+        told = {(r.technique, r.object) for r in rows if r.verdict in ("fail", "inconclusive")}
+    else:
+        told = {(r.technique, r.object) for r in rows}
+    report.detail(f"{case.id}: measure further, and tell causes")
+    further = measured_further(case, views, frames, [r for r in rows if _about(r) in told])
+    rows = [r for r in rows if _about(r) not in told] + further
+    ladders = _ladders(job, entry, frames, truths, further)
+    for label, frame in frames.items():
+        for name in entry.truths:
+            own = [r for r in rows if (r.technique, r.truth) == (label, name)]
+            checks.add_frame(case, label, frame, truths[name][0], own)
+    candidates = {}
+    for label, frame in frames.items():
+        candidates[label] = f"frames/{case.id}/{label}.exr"
+        save_frame(frame, job.out / candidates[label])
+    record = CaseRecord(
+        id=case.id,
+        scene=case.scene,
+        environment=case.environment.name,
+        width=case.width,
+        height=case.height,
+        objects=[o.name for o in case.objects],
+        candidates=candidates,
+        truths={t: _save_halves(job.out, case, t, truths[t]) for t in entry.truths},
+    )
+    return record, rows, ladders
+
+
+def _about(row: Row) -> tuple[str, str]:
+    return row.technique, row.object
+
+
+def _ladders(
+    job: Job,
+    entry: Entry,
+    frames: dict[str, Frame],
+    truths: dict[str, list[Frame]],
+    rows: list[Row],
+) -> list[Ladder]:
+    """Error by cause for every object and technique that has rows, where there are the truths."""
+    made = []
+    for label, frame in frames.items():
+        if not any(r.technique == label for r in rows):
+            continue
+        drawn = Drawn(frame.rgb)
+        if not job.outside:
+            thrown = switched(technique(label), entry.case.model)
+            pictures = {n: Renderer(t, repeats=0).render(entry.case).rgb for n, t in thrown.items()}
+            drawn = Drawn(frame.rgb, pictures.pop("specular"), pictures)
+        for obj in entry.case.judged:
+            own = [r for r in rows if _about(r) == (label, obj.name)]
+            if own and (found := ladder(entry.case, obj, label, drawn, truths, own)):
+                made.append(found)
+    return made
+
+
+def _check_visible(case: Case, path: Path) -> None:
+    """Refuse a judged object that nobody can see, before anything is traced for it."""
+    ids = object_ids(case)
+    for obj in case.judged:
+        if not (ids == case.index(obj.name)).any():
+            problem = f"covers no pixel of {case.id}"
+            remedy = "move it or the camera, or set judged = false"
+            raise InputError(path, f"object '{obj.name}'", problem, remedy)
+
+
+def _draw(job: Job, entry: Entry, report: Reporter) -> tuple[dict[str, Frame], dict[str, str]]:
+    """The pictures of every candidate by technique, and why some gave none."""
+    frames, failures = {}, {}
+    for label, candidate in job.candidates(entry).items():
+        report.step(f"{entry.case.id}: {label}")
+        try:
+            frames[label] = candidate.render(entry.case)
+        except CandidateError as error:
+            failures[label] = str(error)
+    return frames, failures
+
+
+def _save_halves(out: Path, case: Case, truth: str, batches: list[Frame]) -> tuple[str, str]:
+    """Write the means of the even and of the odd batches; their paths relative to `out`."""
+    names = []
+    for half, label in enumerate("ab"):
+        kept = batches[half::2] or batches
+        mean = np.mean([b.rgb for b in kept], axis=0, dtype=np.float64).astype(np.float32)
+        seconds = sum(b.seconds for b in kept)
+        names.append(f"truths/{case.id}/{truth}.{label}.exr")
+        save_frame(Frame(mean, kept[0].ids, seconds, kept[0].provenance), out / names[-1])
+    return names[0], names[1]

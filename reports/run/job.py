@@ -1,0 +1,174 @@
+"""What to run: a suite resolved into cases, candidates and references."""
+
+import fnmatch
+import tempfile
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from reference.executor import connect
+from reference.settings import TRUTHS, Kind
+from renderer.draw import Renderer
+from renderer.features import technique
+from reports import gate
+from reports.candidates import Candidate
+from reports.ladder import MODEL_STEPS
+from reports.results import Missing
+from scenes.environment import load_environment
+from scenes.errors import InputError
+from scenes.mesh import placement
+from scenes.schema import PHYSICAL, Case, Material, Model
+from scenes.suite import Entry, Suite, expand, load_suite
+
+OUTSIDE = "candidate"  # the technique under which an outside candidate's rows stand
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to run: a suite, which of its cases, with which candidates, and where to.
+
+    Attributes:
+        frozen: use the references that are stored, and trace nothing.
+        cluster: the Dask scheduler whose workers trace their batches; this process if empty.
+        brief: of what meets its budget, measure no more than the verdict needs.
+    """
+
+    suite_name: str
+    out: Path
+    store: Path
+    filter: str = ""
+    outside: Candidate | None = None
+    command: str = ""
+    frozen: bool = False
+    cluster: str = ""
+    brief: bool = False
+    suite: Suite = field(init=False)
+    path: Path = field(init=False)
+    entries: list[Entry] = field(init=False)
+    skipped: list[str] = field(init=False)
+    whole: list[Entry] = field(init=False)
+
+    def __post_init__(self) -> None:
+        suite, path = load_suite(self.suite_name)
+        whole = expand(suite, path)
+        entries = [e for e in whole if _matches(e.case.id, self.filter)]
+        skipped = [e.case.id for e in whole if e not in entries]
+        if not entries:
+            raise InputError(
+                "--filter", self.filter, "no case matches", "see `--list` for their names"
+            )
+        for name in {t for e in entries for t in e.techniques}:
+            try:
+                technique(name)
+            except ValueError as error:
+                raise InputError(path, "techniques", str(error), "use a known technique") from error
+            if not self.outside and (what := technique(name).cannot_draw(suite.model)):
+                problem = f"'{name}' cannot draw {what}"
+                raise InputError(path, "model", problem, "leave it out, or give a --candidate")
+        for entry in entries:
+            load_environment(entry.case.environment.path)
+            for obj in entry.case.objects:
+                placement(obj)
+                _check_physical(entry, obj.material, path)
+        gate.check_rules(suite.budget, whole, OUTSIDE, path)
+        object.__setattr__(self, "suite", suite)
+        object.__setattr__(self, "path", path)
+        object.__setattr__(self, "entries", entries)
+        object.__setattr__(self, "whole", whole)
+        object.__setattr__(self, "skipped", [f"{i} (filter '{self.filter}')" for i in skipped])
+
+    @cached_property
+    def executor(self) -> Executor | None:
+        """What traces the batches, if not this process."""
+        return connect(self.cluster) if self.cluster and not self.frozen else None
+
+    @property
+    def family(self) -> int:
+        """How many verdicts must hold together: the whole suite's, at every look at its batches."""
+        label = OUTSIDE if self.outside else ""
+        return gate.family_size(self.suite.budget, self.whole, self.suite.reference, label)
+
+    def candidates(self, entry: Entry) -> dict[str, Candidate]:
+        """What draws an entry's case, by technique."""
+        if self.outside:
+            return {OUTSIDE: self.outside}
+        return {name: Renderer(technique(name)) for name in entry.techniques}
+
+    def expected(self, entries: list[Entry]) -> list[Missing]:
+        """Every row that the suite asks for in some of its entries."""
+        return [
+            Missing(case=e.case.id, object=o.name, technique=t, truth=truth)
+            for e in entries
+            for t in ([OUTSIDE] if self.outside else e.techniques)
+            for truth in e.truths
+            for o in e.case.judged
+        ]
+
+
+def _matches(name: str, pattern: str) -> bool:
+    """Whether a case is chosen: a shell pattern, or any part of its name."""
+    return not pattern or fnmatch.fnmatchcase(name, pattern) or pattern in name
+
+
+def _check_physical(entry: Entry, material: Material, path: Path) -> None:
+    """Refuse exact Fresnel for a metal of unknown eta and k, before anything is drawn."""
+    if material.metallic == 0 or material.metal.eta is not None:
+        return
+    problem = f"'{material.name}' gives its metal as F0 alone, without eta and k"
+    if entry.split_model or any(t.startswith("physical") for t in entry.truths):
+        raise InputError(path, "truths: physical", problem, "name a metal, or leave `physical` out")
+    if entry.case.model.fresnel == "exact":
+        raise InputError(path, "model.fresnel", problem, "name a metal, or use 'schlick'")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A reference that an entry needs: what is traced, and which of its truths are wanted.
+
+    Attributes:
+        truths: by the name under which it is reported, the truth that the reference holds.
+        judged: whether candidates are held against it; else it only splits the model's error.
+    """
+
+    case: Case
+    kind: Kind
+    truths: dict[str, str]
+    judged: bool = True
+
+
+def sources(entry: Entry) -> list[Source]:
+    """Every reference of an entry; the one with `global`, which sets the exposure, first."""
+    case, wanted = entry.case, entry.truths
+    found = []
+    if shared := {t: t for t in TRUTHS["model"] if t in wanted}:
+        found.append(Source(case, "model", shared))
+    if "physical" in wanted:
+        found.append(Source(case, "physical", {"physical": "physical"}))
+    if "physical-smith" in wanted:
+        found.append(Source(_under(case, PHYSICAL), "model", {"physical-smith": "global"}))
+    if entry.split_model:
+        # The third step, masking, ends at `physical` itself.
+        fields = case.model.model_dump()
+        for name, field in zip(MODEL_STEPS[:2], ("fresnel", "kd"), strict=True):
+            fields |= {field: getattr(PHYSICAL, field)}
+            model = _under(case, Model(**fields))
+            found.append(Source(model, "model", {name: "global"}, judged=False))
+    return found
+
+
+def _under(case: Case, model: Model) -> Case:
+    """The case under another model."""
+    return case.model_copy(update={"model": model})
+
+
+def make_folder(folder: Path, option: str) -> None:
+    """Make a folder before any work is done for it, and see that it can be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        remedy = "choose a folder that can be written"
+        problem = f"cannot be written ({error.strerror})"
+        raise InputError(option, str(folder), problem, remedy) from error

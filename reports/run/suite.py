@@ -1,0 +1,90 @@
+"""A whole suite: every case drawn, path-traced, compared and judged."""
+
+import datetime
+import platform
+import shutil
+import time
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from reference.settings import FEWEST_BATCHES
+from renderer.context import device
+from reports import gate, parity
+from reports.progress import reporting
+from reports.results import CaseRecord, Ladder, Results, Row
+from reports.run.case import run_entry
+from reports.run.job import Job, make_folder, sources
+from reports.run.measures import beside_oracle
+from reports.run.tracing import trace_ahead
+
+PACKAGES = ("mitsuba", "drjit", "moderngl", "numpy", "scipy", "scikit-image", "flip-evaluator")
+
+
+def run(job: Job) -> Results:
+    """Draw, path-trace and compare every case of a job, and judge it.
+
+    Frames are written to `job.out`; the results are returned, not written.
+    """
+    start = time.perf_counter()
+    make_folder(job.out, "--out")
+    _clear(job.out)
+    if job.executor and not job.frozen:
+        trace_ahead(job, FEWEST_BATCHES)
+    elif not job.frozen:
+        make_folder(job.store, "--store")
+    rows: list[Row] = []
+    cases: list[CaseRecord] = []
+    ladders: list[Ladder] = []
+    checks = parity.Checks()
+    steps = sum(len(job.candidates(e)) + len(sources(e)) for e in job.entries)
+    with reporting(steps) as report:
+        for entry in job.entries:
+            record, made, causes = run_entry(job, entry, report, checks)
+            cases.append(record)
+            rows += made
+            ladders += causes
+    if not job.outside:
+        surfaces = {(o.material, e.case.model) for e in job.entries for o in e.case.judged}
+        checks.shaders += [beside_oracle(*s) for s in surfaces]
+    results = Results(
+        suite=job.path.stem,
+        suite_path=str(job.path),
+        description=job.suite.description,
+        command=job.command,
+        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        seconds=time.perf_counter() - start,
+        provenance=_provenance() | {"parity": checks.verdicts()},
+        allow_inconclusive=job.suite.allow_inconclusive,
+        expected_rows=len(job.expected(job.whole)),
+        missing=gate.missing_rows(job.expected(job.entries), rows),
+        skipped=job.skipped,
+        cases=cases,
+        budgets=list(job.suite.budget),
+        rows=rows,
+        ladders=ladders,
+        verdict="fail",
+        reasons=[],
+    )
+    return gate.conclude(results)
+
+
+def _clear(out: Path) -> None:
+    """Remove an earlier run's results: a run that fails must not leave their verdict standing."""
+    if (out / "results.json").is_file():
+        for name in ("frames", "truths"):
+            shutil.rmtree(out / name, ignore_errors=True)
+    for name in ("results.json", "report.html", "junit.xml", "summary.md"):
+        (out / name).unlink(missing_ok=True)
+
+
+def _provenance() -> dict[str, Any]:
+    """Where and with what this ran."""
+    return {
+        "device": device().name,
+        "opengl": device().version,
+        "hardware_gpu": device().hardware,
+        "machine": f"{platform.machine()}, {platform.system()} {platform.release()}",
+        "python": platform.python_version(),
+        "versions": {p: metadata.version(p) for p in PACKAGES},
+    }
