@@ -65,9 +65,10 @@ def test_sound_references_agree(scene, batches):
     # 30 draws of one pool; at the promised rate one false alarm comes in 33 runs of this test.
     checks = [judged(scene, old, new) for old, new in draws(batches, 30)]
     assert all(c.agrees for c in checks)
-    # And the odds are odds: of all tests, a hundredth has p under .01.
+    # And the odds are odds: of all tests, a hundredth has p under .01. Tests of one draw share
+    # their paths and draws share batches, which spreads that share by .006.
     p = [np.concatenate([r.p for r in compare(scene, *d)]) for d in draws(batches, 30, 1)]
-    assert 0.003 < (np.concatenate(p) < 0.01).mean() < 0.02
+    assert 0.001 < (np.concatenate(p) < 0.01).mean() < 0.03
 
 
 @pytest.mark.parametrize("number", [1, 2], ids=["rough", "smooth"])
