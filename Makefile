@@ -14,7 +14,7 @@ RUN := --suite '$(SUITE)' --out '$(OUT)' $(if $(FILTER),--filter '$(FILTER)') $(
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help compare gate report references bench stability crosscheck test test-long lint clean FORCE
+.PHONY: help compare gate report references bench stability efficiency calibrate crosscheck test test-long lint clean FORCE
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-11s %s\n", $$1, $$2 }' Makefile
@@ -45,6 +45,12 @@ crosscheck: .venv/.stamp .venv-crosscheck/.stamp ## hold the truths against Blen
 	@$(BIN)/shadeproof compare --suite crosscheck --out '$(OUT)' \
 		$(if $(FILTER),--filter '$(FILTER)') $(ARGS) --candidate \
 		'$(BIN)/python -m reports.crosscheck .venv-crosscheck/bin/python {case} {out}'
+
+efficiency: .venv/.stamp ## time the references to an interval, beside plain path tracing
+	@$(BIN)/shadeproof efficiency --suite '$(SUITE)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
+
+calibrate: .venv/.stamp ## do the intervals hold? figures from few samples against 16 times as many
+	@$(BIN)/shadeproof calibrate $(ARGS)
 
 test: .venv/.stamp ## check style and imports, and run the short tests
 	@$(BIN)/ruff check --quiet
