@@ -122,6 +122,10 @@ class Metric:
         shown = f"{limit:g}" if self.limit.startswith("≥") else f"{100 * limit:g}{GAP}%"
         return self.limit.format(shown)
 
+    def bare(self, limit: float) -> str:
+        """The budget without its sign, as '20 %' or '0.97'."""
+        return self.allowed(limit).split(GAP, 1)[1]
+
     def undecided(self, row: Row) -> bool:
         """Whether noise hides on which side of its budget the figure lies."""
         return self.name in row.undecided

@@ -1,9 +1,9 @@
 """The matrices on the first screen: material down, weight across, one figure a cell."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from reports.gate import worst_first
+from reports.gate import LOWER, worst_first
 from reports.html.figures import METRICS, Metric, slug
 from reports.html.verdict import subject
 from reports.results import Row
@@ -20,6 +20,8 @@ class Cell:
         hidden: why the spread is not known, if it is not.
         undecided: noise hides whether the figure is within the budget.
         label: all of it in words, for a tooltip and a screen reader.
+        place: of which case the figure is, where there are several.
+        nearest: the figure that is closest to its budget, if that is another one.
     """
 
     text: str
@@ -30,6 +32,8 @@ class Cell:
     undecided: bool
     label: str
     href: str
+    place: str = ""
+    nearest: str = ""
 
 
 @dataclass(frozen=True)
@@ -71,8 +75,8 @@ def label_of(row: Row, rows: list[Row]) -> str:
     return label
 
 
-def cell(metric: Metric, row: Row, places: int = 1) -> Cell:
-    """One row's figure as a cell; `places` is of how many rows it is the worst."""
+def cell(metric: Metric, row: Row) -> Cell:
+    """One row's figure as a cell."""
     limit = row.budget.get(metric.name)
     allowed = metric.allowed(limit) if limit is not None else ""
     value, undecided = metric.value(row), metric.undecided(row)
@@ -86,8 +90,6 @@ def cell(metric: Metric, row: Row, places: int = 1) -> Cell:
         words.append(row.problem)
     elif math.isnan(value):
         words.append("no figure: it is infinite or was not measured")
-    if places > 1:
-        words.append(f"the worst of {places} places")
     href = f"#{row_id(row)}"
     state = _state(metric, row, value)
     return Cell(text, spread, hidden, allowed, state, undecided, "; ".join(words), href)
@@ -101,21 +103,49 @@ def row_id(row: Row) -> str:
 def _worst_cell(
     metric: Metric, chosen: list[Row], rows: list[Row], label: str, weight: float
 ) -> Cell | None:
-    """The worst place of a material at a weight by this figure; None where there is none."""
+    """The largest error of a material at a weight, in the state of what is closest to its budget.
+
+    The two can be different rows, since budgets differ by case. None where there is no row.
+    """
     here = [r for r in chosen if r.weight == weight and label_of(r, rows) == label]
     if not here:
         return None
-    return cell(metric, min(worst_first(here), key=lambda r: _badness(metric, r)), len(here))
+    ranked = worst_first(here)
+    largest = min(ranked, key=lambda r: _error(metric, r))
+    shown = cell(metric, largest)
+    if len(here) == 1:
+        return shown
+    words = [shown.label, f"the largest error of {len(here)} places"]
+    judged = [r for r in ranked if metric.name in r.budget and not math.isnan(metric.value(r))]
+    nearest = min(judged, key=lambda r: r.margins[metric.name], default=largest)
+    told, state, undecided = "", shown.state, shown.undecided
+    if nearest is not largest and not math.isnan(metric.value(largest)):
+        other, limit = cell(metric, nearest), metric.bare(nearest.budget[metric.name])
+        told = f"closest to its budget: {other.text} of {limit}, {_place(nearest, here)}"
+        state, undecided = other.state, other.undecided
+        words.append(told)
+    return replace(
+        shown,
+        state=state,
+        undecided=undecided,
+        label="; ".join(words),
+        place=_place(largest, here),
+        nearest=told,
+    )
 
 
-def _badness(metric: Metric, row: Row) -> tuple[int, float]:
-    """Sorts the worst first: no figure, then the smallest margin, then the largest error."""
-    value, margin = metric.value(row), row.margins.get(metric.name, math.nan)
+def _place(row: Row, here: list[Row]) -> str:
+    """The case of a row, with the object where the case has several of them here."""
+    alike = sum(r.case == row.case for r in here) > 1
+    return f"{row.case}, {row.object}" if alike else row.case
+
+
+def _error(metric: Metric, row: Row) -> tuple[int, float]:
+    """Sorts the worst first: no figure, then the largest error."""
+    value = metric.value(row)
     if math.isnan(value):
         return 0, 0.0
-    if not math.isnan(margin):
-        return 1, margin
-    return 2, value if metric.name == "ssim" else -abs(value)
+    return 1, value if metric.name in LOWER else -abs(value)
 
 
 def _state(metric: Metric, row: Row, value: float) -> str:

@@ -3,7 +3,7 @@
 import math
 
 from reports.gate import budget_of
-from reports.html.figures import GAP, METRICS, decisive, percent
+from reports.html.figures import METRICS, decisive, percent
 from reports.results import Results, Row
 
 
@@ -67,7 +67,7 @@ def _clause(row: Row) -> str:
         return f"the largest local energy error is {error}, of {who} ({pair})"
     metric = METRICS[name]
     spread = f" {metric.spread(row)}" if metric.spread(row) else ""
-    limit = metric.allowed(row.budget[name]).split(GAP, 1)[1]
+    limit = metric.bare(row.budget[name])
     if math.isnan(metric.value(row)):
         return (
             f"{who} has no figure to hold against its {metric.budget_label} budget of {limit}: "

@@ -14,7 +14,7 @@ from reports.html import write_report
 from reports.html.colour import NOT_A_NUMBER, SIGNED, SIMILARITY
 from reports.html.figures import METRICS, percent
 from reports.html.images import MAPS
-from reports.html.matrix import cell
+from reports.html.matrix import cell, matrices
 from reports.html.png import colour_map, picture
 from reports.results import CaseRecord, Missing, Results, Row
 from scenes.frame import Frame, save_frame
@@ -263,7 +263,48 @@ def test_matrix_shows_the_worst_place_of_a_material(folder):
     (label,) = [a["aria-label"] for t, a in page.elements
                 if t == "a" and a.get("aria-label", "").startswith("copper")
                 and "Local energy" in a["aria-label"]]  # fmt: skip
-    assert "19.0" in label and "the worst of 2 places" in label
+    assert "19.0" in label and "the largest error of 2 places" in label
+
+
+def eased(**figures):
+    """A row of another case, whose budget of local energy is .8."""
+    loose = BUDGET.model_copy(update={"energy_local": 0.8, "reason": "a lamp"})
+    return judge(row(case="spheres.noon", **figures), [loose])
+
+
+def local_matrix(rows):
+    made = next(m for m in matrices(rows) if m.metric == "energy_local")
+    ((_, (found,)),) = made.lines
+    return found
+
+
+def test_matrix_shows_the_largest_error_and_what_is_closest_to_its_budget(folder):
+    near = row(energy_local=0.19, energy_local_ci95=(0.185, 0.195))
+    far = eased(energy_local=0.5, energy_local_ci95=(0.49, 0.51))
+    found = local_matrix([near, far])
+    told = "closest to its budget: 19.0\u202f% of 20\u202f%, spheres.dusk"
+    assert (found.text, found.limit) == ("50.0\u202f%", "≤\u202f80\u202f%")
+    assert (found.place, found.nearest) == ("spheres.noon", told)
+    assert found.href == "#row--spheres.noon--left--paper--global" and told in found.label
+    assert told in Page(written(results([near, far]), folder)).text["table"]
+
+
+def test_matrix_has_the_colour_of_what_is_closest_to_its_budget():
+    over = row(energy_local=0.25, energy_local_ci95=(0.24, 0.26))
+    far = eased(energy_local=0.5, energy_local_ci95=(0.49, 0.51))
+    found = local_matrix([over, far])
+    assert found.text == "50.0\u202f%" and found.state == "over1"
+    lost = eased(energy_local=np.nan, energy_local_ci95=(np.nan, np.nan))
+    assert local_matrix([over, lost]).state == "broken"
+
+
+def test_matrix_says_one_figure_where_the_largest_is_closest_to_its_budget():
+    found = local_matrix([row(), eased(energy_local=0.7, energy_local_ci95=(0.69, 0.71))])
+    assert found.place == "spheres.noon" and not found.nearest
+    alone = local_matrix([row()])
+    assert not alone.place and not alone.nearest
+    twins = local_matrix([row(), row(object="right", energy_local=0.15)])
+    assert twins.place == "spheres.dusk, right"
 
 
 def test_trust_shows_parity_that_fails(folder):
