@@ -20,10 +20,13 @@ MEANINGS = {
     "model": "The surface itself: the case's BRDF instead of physical materials.",
     "Fresnel": "Schlick's approximation instead of the exact equations.",
     "kd": "The share of light that the diffuse layer gets and gives back.",
-    "masking": "The paper's masking of facets, and what else parts the models.",
+    "masking": "The masking of facets, where the case's is not the mixture's exact Smith masking, "
+    "and all else that parts the models.",
 }
-ABSENT = {"occlusion": "shadows", "interreflection": "interreflection"}
+OUTSIDE = "candidate"  # the one technique that may draw shadows; the built-in ones draw none
+ABSENT = {"occlusion": "shadows", "interreflection": "light between surfaces"}
 CANCELS = 0.01  # of the light, from which on errors of opposite sign are told
+SKEW = 4 / 3  # of an interval's sides, from which on both are told
 HIDDEN = 0.5  # half an interval beyond which a fraction says nothing
 
 
@@ -52,12 +55,27 @@ class Measure:
         return f"{text}{GAP}{self.unit}" if self.unit else text
 
     def spread(self, figure: Figured) -> str:
-        """Half the interval as ±, with the unit."""
+        """Half the interval as ±, or both sides of a skew one, with the unit."""
         half, least = self.scaled(half_width((figure.low, figure.high))), 10**-self.decimals
         if not math.isfinite(half):
             return f"±{GAP}unknown"
+        below, above = (self.scaled(s) for s in _sides(figure))
+        sides = number(below, self.decimals), number(above, self.decimals)
+        if _skew(figure) and sides[0] != sides[1]:
+            return self.with_unit(f"−{sides[0]}/+{sides[1]}")
         shown = number(half, self.decimals) if half >= least / 2 else f"<{GAP}{least:g}"
         return f"±{GAP}{self.with_unit(shown)}"
+
+
+def _sides(figure: Figured) -> tuple[float, float]:
+    """How far an interval reaches below and above its figure."""
+    return max(figure.value - figure.low, 0.0), max(figure.high - figure.value, 0.0)
+
+
+def _skew(figure: Figured) -> bool:
+    """Whether the sides of an interval differ by more than a third."""
+    small, large = sorted(_sides(figure))
+    return large > SKEW * small
 
 
 MEASURES = (
@@ -111,7 +129,8 @@ class Bar:
 
     Attributes:
         zero: where 0 lies, in percent of the axis.
-        noise: whether noise hides the sign.
+        noise: whether noise hides the sign, or the interval is unknown.
+        unknown: whether the interval is unknown.
         split: diffuse and specular light in words; empty where they are not told apart.
     """
 
@@ -121,6 +140,7 @@ class Bar:
     text: str
     spread: str
     noise: bool
+    unknown: bool
     split: str
 
 
@@ -152,6 +172,12 @@ def charts(ladders: Sequence[Ladder]) -> list[Chart]:
     """A case's ladders, as charts on common scales: objects and techniques can be compared."""
     axes = [_axis(ladders, measure) for measure in MEASURES]
     return [_chart(found, axes) for found in ladders]
+
+
+def part_meanings(shown: Sequence[Chart]) -> dict[str, str]:
+    """What the parts mean that charts show."""
+    parts = dict.fromkeys(line.name for c in shown for line in c.lines if line.part)
+    return {name: MEANINGS[name] for name in parts if name in MEANINGS}
 
 
 def _chart(ladder: Ladder, axes: Sequence[Axis]) -> Chart:
@@ -197,7 +223,8 @@ def _bar(cause: Cause, measure: Measure, axis: Axis) -> Bar | None:
         whisker=axis.span(figure.low, figure.high) if known else None,
         text=text,
         spread=spread,
-        noise=known and figure.low <= 0 <= figure.high and cause.name != "total",
+        noise=not known or (figure.low <= 0 <= figure.high and cause.name != "total"),
+        unknown=not known,
         split=told,
     )
 
@@ -243,38 +270,86 @@ def _sentences(ladder: Ladder) -> Iterable[str]:
     if not _known(total) or not total.value > 0:
         yield "The local error is lost in the reference's noise."
     else:
-        main = max(causes, key=lambda c: c.local.value)
-        share = main.local.value / total.value
-        own, whole = (number(100 * f.value, 1) for f in (main.local, total))
-        if share > 1:
-            rest = f"other causes make up for some of it and leave {whole}{GAP}%"
-            yield f"{main.name.capitalize()} makes a local error of {own}{GAP}%; {rest}."
-        else:
-            size = "Most" if share > 0.5 else "The largest part"
-            yield f"{size} of the local error of {whole}{GAP}% is {main.name} ({own} of it)."
-    if ladder.missing:
-        told = [_lacking(name, f) for name, f in ladder.missing.items()]
-        yield f"By the pattern of its blocks, the picture lacks {' and '.join(told)}."
-    over = [c for c in causes if c.energy.low > 0]
-    under = [c for c in causes if c.energy.high < 0]
-    if min(sum(c.energy.value for c in over), -sum(c.energy.value for c in under)) > CANCELS:
-        sides = (", ".join(f"{c.name} {_light(c)}" for c in side) for side in (over, under))
-        left = _light(ladder.total)
-        yield f"In the total, errors cancel: {' against '.join(sides)}, which leaves {left}."
+        yield _local(_Balance.of(causes, ladder.total, "local"))
+    if told := _absent(ladder):
+        yield told
+    over = sum(c.energy.value for c in causes if c.energy.low > 0)
+    under = sum(c.energy.value for c in causes if c.energy.high < 0)
+    if min(over, -under) > CANCELS:
+        balance = _Balance.of(causes, ladder.total, "energy")
+        sides = f"{_and(balance.over)} against {_and(balance.under)}"
+        left = f"{balance.left}{GAP}%{balance.remark}"
+        yield f"In the total, errors cancel: {sides}, which leaves {left}."
 
 
-def _light(cause: Cause) -> str:
-    """A cause's light, in percent of all."""
-    return f"{number(100 * cause.energy.value, 1, signed=True)}{GAP}%"
+@dataclass(frozen=True)
+class _Balance:
+    """All causes that a figure shows, largest first, by sign, and what they leave.
+
+    `remark` is empty where the shown numbers sum to what is left, digit for digit.
+    """
+
+    over: list[str]
+    under: list[str]
+    left: str
+    remark: str
+
+    @staticmethod
+    def of(causes: Sequence[Cause], total: Cause, field: Literal["local", "energy"]) -> "_Balance":
+        def rounded(cause: Cause) -> float:
+            return round(100 * getattr(cause, field).value, 1)
+
+        shown = sorted((c for c in causes if abs(rounded(c)) > 0), key=lambda c: -abs(rounded(c)))
+        named = [(rounded(c), f"{c.name} {number(rounded(c), 1, signed=True)}") for c in shown]
+        left = rounded(total)
+        exact = abs(sum(value for value, _ in named) - left) < 0.05
+        return _Balance(
+            over=[text for value, text in named if value > 0],
+            under=[text for value, text in named if value < 0],
+            left=number(left + 0.0, 1, signed=field == "energy" and left != 0),
+            remark="" if exact else " to rounding and noise",
+        )
 
 
-def _lacking(name: str, figure: Figured) -> str:
-    """A missing fraction with its spread, or that noise hides it."""
-    half = half_width((figure.low, figure.high))
-    if not half <= HIDDEN:  # nor where it is unknown
-        return f"an unknown share of the {ABSENT[name]}"
-    value, spread = number(100 * figure.value, 0), number(100 * half, 0)
-    return f"{value}{GAP}±{GAP}{spread}{GAP}% of the {ABSENT[name]}"
+def _local(balance: _Balance) -> str:
+    """The causes of the local error; those that make up for others stand apart."""
+    left = f"a local error of {balance.left}{GAP}%{balance.remark}"
+    told = _and(balance.over)
+    if not told:
+        return f"No cause stands out in {left}."
+    told, several = told[0].upper() + told[1:], len(balance.over) > 1
+    if balance.under:
+        undone = "are partly undone by" if several else "is partly undone by"
+        return f"{told} {undone} {_and(balance.under)}, leaving {left}."
+    return f"{told} {'make' if several else 'makes'} {left}."
+
+
+def _and(names: Sequence[str]) -> str:
+    """A list in words."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+
+
+def _absent(ladder: Ladder) -> str:
+    """What of the truth's light the picture lacks; empty where that is not known."""
+    if ladder.technique != OUTSIDE:
+        lacks = [f"no {ABSENT[c.name]}" for c in ladder.causes if c.name in ABSENT]
+        return f"This technique draws {_and(lacks)}." if lacks else ""
+    known = {n: f for n, f in ladder.missing.items() if half_width((f.low, f.high)) <= HIDDEN}
+    if not known:
+        return ""
+    told = _and([f"{_share(f)} of the {ABSENT[name]}" for name, f in known.items()])
+    return (
+        f"By the pattern of its blocks, the picture lacks {told}; its other errors can look like "
+        "these, so that a figure beside 100 % need not mean that some is drawn."
+    )
+
+
+def _share(figure: Figured) -> str:
+    """A missing fraction with its spread."""
+    shares = (figure.value, half_width((figure.low, figure.high)), *_sides(figure))
+    value, half, below, above = (number(100 * v, 0) for v in shares)
+    spread = f"±{GAP}{half}" if below == above or not _skew(figure) else f"−{below}/+{above}"
+    return f"{value}{GAP}{spread}{GAP}%"
 
 
 def _closure(ladder: Ladder) -> str:

@@ -76,6 +76,7 @@ class CaseView:
     chosen: tuple[str, str]
     pictures: list[Picture]
     causes: list[causes.Chart]
+    part_meanings: dict[str, str]
     cause_maps: list[Picture]
     rows: list[RowView]
     missing: list[str]
@@ -105,7 +106,6 @@ class Page:
     provenance: str
     seconds: str
     budgets: list[list[str]]
-    part_meanings: dict[str, str]
     energy_claim: ClaimView
 
 
@@ -146,7 +146,6 @@ def page_of(results: Results, folder: Path) -> Page:
             ]
             for b in results.budgets
         ],
-        part_meanings={n: m for n, m in causes.MEANINGS.items() if n not in NAMES},
         energy_claim=energy_claim_view(),
     )
 
@@ -166,6 +165,7 @@ def _case(results: Results, frames: CaseFrames) -> CaseView:
     record, rows = frames.record, frames.rows
     pictures = case_pictures(frames)
     ladders = [found for found in results.ladders if found.case == record.id]
+    shown = causes.charts(ladders)
     techniques = list(dict.fromkeys(p.technique for p in pictures if p.kind == "candidate"))
     truths = list(dict.fromkeys(p.truth for p in pictures if p.kind == "truth"))
     chosen = (rows[0].technique, rows[0].truth) if rows else (
@@ -180,7 +180,8 @@ def _case(results: Results, frames: CaseFrames) -> CaseView:
         truths=truths,
         chosen=chosen,
         pictures=pictures,
-        causes=causes.charts(ladders),
+        causes=shown,
+        part_meanings=causes.part_meanings(shown),
         cause_maps=cause_maps(frames, ladders),
         rows=[_row(r, results.rows) for r in rows],
         missing=[

@@ -11,11 +11,12 @@ import pytest
 from PIL import Image
 
 from reports.gate import conclude
-from reports.html import write_report
+from reports.html import causes, write_report
 from reports.html.causes import MEASURES, charts
 from reports.html.colour import SIGNED
 from reports.ladder import MODEL_STEPS, NAMES, RUNGS
 from reports.results import CaseRecord, Cause, Figured, Ladder, Results, Row
+from reports.run import job
 from reports.terminal import why
 from scenes.frame import Frame, save_frame
 
@@ -153,7 +154,20 @@ def test_an_interval_that_is_unknown_is_told_and_has_no_whisker():
     lost = Figured(value=-0.1, low=math.nan, high=math.nan)
     shadow = CAUSES[4].model_copy(update={"ssim": lost})
     bar = lines(chart(causes=[CAUSES[0], shadow]))["occlusion"].bars[SSIM]
-    assert bar.spread == "±\u202funknown" and bar.whisker is None and not bar.noise
+    assert bar.spread == "±\u202funknown" and bar.whisker is None
+    assert bar.noise and bar.unknown
+    assert not lines(chart())["model"].bars[SSIM].unknown
+
+
+def test_both_sides_of_a_skew_interval_are_told():
+    def spread(low, high):
+        skew = CAUSES[4].model_copy(update={"local": Figured(value=0.35, low=low, high=high)})
+        bar = lines(chart(causes=[CAUSES[0], skew]))["occlusion"].bars[LOCAL]
+        return bar.spread.replace("\u202f", " ")
+
+    assert spread(-0.12, 0.58) == "−47.0/+23.0 %"
+    assert spread(0.25, 0.48) == "± 11.5 %"
+    assert spread(0.34999, 0.35004) == "± < 0.1 %"
 
 
 def test_figures_that_are_no_numbers_leave_a_gap():
@@ -190,33 +204,66 @@ def test_axes_hold_all_bars_and_end_on_round_numbers(power):
     assert found.heads[LOCAL][1][-1][1].replace("\u202f", "") == f"+{600 * scale:g}%"
 
 
-def test_the_main_cause_is_named():
-    assert words().startswith("Most of the local error of 40.0 % is occlusion (35.0 of it).")
-    even = zip(NAMES, (0.1, 0.15, 0.1, 0.05), strict=True)
-    none = [cause(n, 0.1, v, half=0) for n, v in even]
-    assert "The largest part of the local error of 40.0 % is occlusion (15.0" in words(causes=none)
-    more = [cause("integration", 0, -0.1), cause("occlusion", 0.5, 0.5)]
-    assert "Occlusion makes a local error of 50.0 %; other causes" in words(causes=more)
-    assert "and leave 40.0 %." in words(causes=more)
+def test_the_causes_of_the_local_error_are_named_by_sign_and_sum():
+    balanced = zip(NAMES, (0.212, -0.03, 0.145, -0.129), strict=True)
+    told = words(causes=[cause(n, 0, v) for n, v in balanced], total=cause("total", 0, 0.198))
+    assert told.startswith(
+        "Integration +21.2 and interreflection +14.5 are partly undone by model −12.9 and "
+        "occlusion −3.0, leaving a local error of 19.8 %."
+    )
+    none = [cause("integration", 0, 0.05), cause("occlusion", 0, 0.3502), cause("model", 0, 0)]
+    assert words(causes=none).startswith(
+        "Occlusion +35.0 and integration +5.0 make a local error of 40.0 %."
+    )
+    one = [cause("integration", 0, -0.1), cause("occlusion", 0.5, 0.5)]
+    assert "Occlusion +50.0 is partly undone by integration −10.0, leaving" in words(causes=one)
 
 
-def test_what_is_missing_is_told_where_it_can_be():
-    assert "lacks 96 ± 20 % of the shadows and 84 ± 10 % of the interreflection" in words()
+def test_numbers_that_do_not_sum_digit_for_digit_say_so():
+    assert "leaving a local error of 40.0 %." in words()
+    off = words(total=cause("total", -0.0196, 0.4012))
+    assert "leaving a local error of 40.1 % to rounding and noise." in off
+
+
+def test_what_built_in_techniques_do_not_draw_is_told_plainly():
+    plain = "This technique draws no shadows and no light between surfaces."
+    assert plain in words() and "lacks" not in words()
+    assert "draws no shadows." in words(causes=[CAUSES[0], CAUSES[4]])
+    assert "draws" not in words(causes=CAUSES[:4])
+    assert "draws no" not in words(technique=causes.OUTSIDE)
+    assert causes.OUTSIDE == job.OUTSIDE
+
+
+def test_what_an_outside_candidate_lacks_is_told_where_it_is_known():
+    def told(**missing):
+        return words(technique=causes.OUTSIDE, missing=missing)
+
+    known = {"occlusion": figure(0.96, 0.2), "interreflection": figure(0.84, 0.1)}
+    both = "lacks 96 ± 20 % of the shadows and 84 ± 10 % of the light between surfaces; its other"
+    assert both in told(**known) and "need not mean that some is drawn" in told(**known)
+    skew = Figured(value=0.9, low=0.43, high=1.13)
+    assert "lacks 90 −47/+23 % of the shadows;" in told(occlusion=skew)
     vague = {"occlusion": figure(1.1, 0.6), "interreflection": figure(math.nan, math.nan)}
-    text = words(missing=vague)
-    assert "an unknown share of the shadows and an unknown share of the interreflection" in text
-    assert "lacks" not in words(missing={})
+    assert "lacks" not in told(**vague)
+    assert "lacks 96 ± 20 % of the shadows; its" in told(**vague | {"occlusion": figure(0.96, 0.2)})
 
 
 def test_errors_that_cancel_in_the_total_are_told():
     told = (
-        "In the total, errors cancel: occlusion +15.0 % against integration −5.0 %, "
-        "interreflection −12.0 %, which leaves −2.0 %."
+        "In the total, errors cancel: occlusion +15.0 against interreflection −12.0 and "
+        "integration −5.0, which leaves −2.0 %."
     )
     assert told in words()
     assert "cancel" not in words(causes=[cause(n, 0.1, 0.1) for n in NAMES])
     hidden = [cause("integration", 0.1, 0.1), cause("occlusion", -0.1, 0.1, half=0.2)]
     assert "cancel" not in words(causes=hidden)
+
+
+def test_a_cause_whose_sign_is_lost_in_noise_still_counts_among_those_that_cancel():
+    vague = cause("model", -0.03, 0, half=0.05)
+    total = cause("total", -0.05, 0.4)
+    told = words(causes=[*CAUSES[:6], vague], total=total)
+    assert "integration −5.0 and model −3.0, which leaves −5.0 %." in told
 
 
 @pytest.mark.parametrize(
@@ -320,7 +367,7 @@ def test_the_page_shows_the_causes_of_the_chosen_technique(folder):
     ]
     said = page.text("causes").replace("\u202f", " ")
     assert "+35.0 ± 0.1 %" in said and "diffuse −8.0, specular +3.0" in said
-    assert "Most of the local error of 40.0 %" in page.text("words").replace("\u202f", " ")
+    assert "leaving a local error of 40.0 %" in page.text("words").replace("\u202f", " ")
 
 
 def test_bars_are_hidden_from_readers_who_get_the_numbers(folder):
@@ -329,13 +376,33 @@ def test_bars_are_hidden_from_readers_who_get_the_numbers(folder):
     assert all("scope" in a for t, a in page.elements if t == "th")
 
 
-def test_every_cause_and_part_is_explained(folder):
-    text = written(folder, both())
-    page = Page(text)
+def test_the_parts_that_are_shown_are_explained_and_no_others(folder):
+    page = Page(written(folder, both()))
     meanings = page.text("meanings")
-    for part in ("irradiance map", "kd at n·v", "table", "prefilter", *MODEL_STEPS):
-        assert part in meanings
+    assert "kd at n·v" in meanings and "prefilter" in meanings
+    assert "irradiance map" not in meanings and "masking" not in meanings
     assert "blocked by the object itself or by its neighbours" in page.text("occlusion")
+    assert "parts indented" in page.text("reading")
+    whole = [c for c in CAUSES if not c.parent]
+    bare = Page(written(folder, [made(causes=whole)]))
+    assert "parts" not in bare.text("meanings") and "parts indented" not in bare.text("reading")
+
+
+def test_every_part_has_a_meaning():
+    for part in ("irradiance map", "kd at n·v", "table", "prefilter", *MODEL_STEPS):
+        assert causes.MEANINGS[part]
+
+
+def test_where_the_causes_end_is_told(folder):
+    said = Page(written(folder, both())).text("reading")
+    assert "Always up to the last truth of the suite (physical), whatever is selected" in said
+
+
+def test_an_unknown_interval_has_a_hollow_bar_and_a_grey_number(folder):
+    lost = Figured(value=-0.1, low=math.nan, high=math.nan)
+    shadow = CAUSES[4].model_copy(update={"ssim": lost})
+    page = Page(written(folder, [made(causes=[CAUSES[0], shadow])]))
+    assert len(page.of("unknown")) == 1 and "−0.100" in page.text("noise")
 
 
 def test_steps_that_do_not_sum_are_loud(folder):
