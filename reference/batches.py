@@ -16,7 +16,7 @@ import numpy as np
 
 from reference.executor import Serial, explained
 from reference.settings import FEWEST_BATCHES, TRUTHS, Kind, kind_of, rounded_samples
-from reference.store import Store, key
+from reference.store import Store, key, mending
 from reference.variant import mitsuba
 from scenes.errors import InputError
 from scenes.frame import Frame
@@ -113,7 +113,7 @@ def grow(
     batches = {f.provenance["batch"]: f for f in store.load(case, kind, sampling)}
     if frozen:
         if len(batches) < FEWEST_BATCHES:
-            raise missing(case, kind, len(batches), store)
+            raise missing(case, kind, sampling, len(batches), store)
         return [batches[number] for number in sorted(batches)]
     most = sampling.max_samples // sampling.samples_per_batch
     target = FEWEST_BATCHES
@@ -129,12 +129,25 @@ def grow(
         target = min(len(ordered) * 2, most)
 
 
-def missing(case: Case, kind: Kind, count: int, store: Store) -> InputError:
+def missing(case: Case, kind: Kind, sampling: Sampling, count: int, store: Store) -> InputError:
     """What to say where a reference has too few batches and none may be traced."""
     place = f"reference of kind '{kind}'"
+    if damaged := store.damaged(store.homes(case, kind, sampling)):
+        return InputError(case.id, place, f"damaged: {damaged[0]}", mending(damaged[0]))
     problem = f"{count} of the {FEWEST_BATCHES} batches it needs are in {store.folder}"
     remedy = "unpack a pack that holds it (`shadeproof refs unpack`), or trace it (`references`)"
     return InputError(case.id, place, problem, remedy)
+
+
+def all_stored(wanted: Iterable[tuple[Case, Kind, Sampling]], store: Store) -> None:
+    """See that every reference has its first 8 batches.
+
+    Raises:
+        InputError: the first that has fewer, and whether it is missing or damaged.
+    """
+    for case, kind, sampling in wanted:
+        if (count := len(store.load(case, kind, sampling))) < FEWEST_BATCHES:
+            raise missing(case, kind, sampling, count, store)
 
 
 class Task(NamedTuple):

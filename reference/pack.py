@@ -55,7 +55,7 @@ def pack(
         name = digest(contents(case, kind, sampling))
         batches, background, head = _sources(case, kind, sampling, store)
         if len(batches) < FEWEST_BATCHES:
-            raise missing(case, kind, len(batches), store)
+            raise missing(case, kind, sampling, len(batches), store)
         for picture in (background, *batches):
             members[f"{name}/{picture.name}"] = picture
             members[f"{name}/{picture.stem}.json"] = picture.with_suffix(".json")

@@ -19,6 +19,7 @@ import hashlib
 import json
 import shutil
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -72,19 +73,23 @@ class Store:
         """The folder of the same reference from a pack, whether it exists or not."""
         return self.folder / BLESSED / digest(contents(case, kind, sampling))
 
+    def homes(self, case: Case, kind: Kind, sampling: Sampling) -> list[Path]:
+        """The two folders that a reference may have, our own first, whether they exist or not."""
+        own = self.path(key(case, kind, sampling))
+        return [own, self.blessed(case, kind, sampling)]
+
     def files(self, case: Case, kind: Kind, sampling: Sampling) -> dict[int, Path]:
         """Finished batches by number: blessed ones, then our own where those have none.
 
         By their names alone; `load` leaves out what turns out to be damaged.
         """
-        own = self.path(key(case, kind, sampling))
-        folders = [own, self.blessed(case, kind, sampling)]
-        return {_number(p): p for folder in folders for p in _finished(folder)}
+        homes = self.homes(case, kind, sampling)
+        return {_number(p): p for folder in homes for p in _finished(folder)}
 
     def load(self, case: Case, kind: Kind, sampling: Sampling) -> list[Frame]:
         """The finished batches in order of provenance["batch"]; damaged ones are left out."""
-        blessed = _batches(self.blessed(case, kind, sampling), case)
-        batches = _batches(self.path(key(case, kind, sampling)), case) | blessed
+        own, blessed = (_batches(f, case) for f in self.homes(case, kind, sampling))
+        batches = own | blessed
         return [batches[number] for number in sorted(batches)]
 
     def save(
@@ -162,10 +167,16 @@ class Store:
             )
         return records
 
-    def damaged(self) -> list[Path]:
-        """Every file that is not what was written: EXRs by their digest, heads by their folder."""
+    def damaged(self, folders: Iterable[Path] | None = None) -> list[Path]:
+        """Every file that is not what was written: EXRs by their digest, heads by their folder.
+
+        Args:
+            folders: of the references to look at, whether they exist or not; all if None.
+        """
         found = []
-        for folder in self.folders():
+        for folder in self.folders() if folders is None else folders:
+            if not any(folder.glob("[!.]*")):
+                continue
             head = read_head(folder)
             blessed = folder.parent.name == BLESSED
             if head is None or folder.name != _name(head, blessed):
@@ -174,6 +185,14 @@ class Store:
             frames |= {folder / "background.exr"} if frames else set()
             found += sorted(p for p in frames if not (sound(p) or _unfinished(p)))
         return found
+
+
+def mending(path: Path) -> str:
+    """What to do about a damaged file of a store."""
+    batch = path.stem.startswith("batch-")
+    what = "delete it and the .json beside it" if batch else "delete its folder"
+    blessed = path.parent.parent.name == BLESSED
+    return f"{what}, and " + ("unpack its pack again" if blessed else "trace it again")
 
 
 def _number(path: Path) -> int:

@@ -7,9 +7,10 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from reference.batches import all_stored
 from reference.pack import pack, unpack
-from reference.settings import FEWEST_BATCHES, Kind
-from reference.store import Record, Store
+from reference.settings import Kind
+from reference.store import Record, Store, mending
 from reference.verify import FAMILY_ERROR, Check, verify
 from reports.progress import reporting
 from reports.run.job import Job, sources
@@ -62,31 +63,32 @@ def unpack_file(file: Path, digest: str, store: Path, console: Console) -> None:
 
 
 def verify_suite(job: Job, batches: int, console: Console) -> bool:
-    """Whether every file of the store is sound, and its references agree with fresh ones.
+    """Whether a job's references are sound, and agree with fresh ones.
+
+    Where files are damaged, they are told and nothing is compared.
 
     Args:
         batches: fresh ones for each reference; 0 looks at the files alone.
+
+    Raises:
+        InputError: a reference is missing.
     """
-    store = Store(job.store)
-    damaged = store.damaged()
-    for path in damaged:
-        console.print(f"[red]damaged[/] {path}", soft_wrap=True)
-    if not damaged:
-        console.print(f"[green]sound[/] every file of {len(store.folders())} references")
-    if batches == 0:
-        return not damaged
     if batches == 1:
         raise InputError("--batches", "", "one batch has no spread", "give 2 or more, or 0")
-    needed = wanted(job)
+    store, needed = Store(job.store), wanted(job)
+    damaged = store.damaged({home: None for n in needed for home in store.homes(*n)})
+    for path in damaged:
+        console.print(f"[red]damaged[/] {path}; {mending(path)}", soft_wrap=True)
+    if damaged:
+        return False
+    all_stored(needed, store)
+    console.print(f"[green]sound[/] every file of {len(needed)} references")
+    if batches == 0:
+        return True
     with reporting(len(needed)) as report:
         checks = verify(needed, store, batches, job.executor, report.step)
-    if not checks:
-        problem = f"holds no reference of {job.path.stem} with {FEWEST_BATCHES} batches"
-        raise InputError("--store", str(job.store), problem, "trace them first: `references`")
     _print_checks(checks, console)
-    if absent := len(needed) - len(checks):
-        console.print(f"{absent} more of the suite are not in the store", soft_wrap=True)
-    return not damaged and all(c.agrees for c in checks)
+    return all(c.agrees for c in checks)
 
 
 def _print_checks(checks: list[Check], console: Console) -> None:

@@ -119,7 +119,11 @@ def test_a_blessed_reference_grows_by_batches_with_seeds_of_their_own(
 
 def test_a_reference_that_is_missing_is_named_and_nothing_is_written(stored, tmp_path, refused):
     case, store = stored
-    (store.path(key(case, "model", FEW)) / "batch-003.exr").write_bytes(b"damaged")
+    picture = store.path(key(case, "model", FEW)) / "batch-003.exr"
+    picture.write_bytes(b"damaged")
+    refused(lambda: packed(stored, tmp_path / "a.refs"), "test", "'model'", f"damaged: {picture}")
+    for file in (picture, picture.with_suffix(".json")):  # as the remedy says
+        file.unlink()
     refused(lambda: packed(stored, tmp_path / "a.refs"), "test", "'model'", "7 of the 8 batches")
     assert not list(tmp_path.glob("*a.refs"))
 

@@ -97,6 +97,29 @@ def test_verify_tells_a_store_that_holds_from_one_that_does_not(shadeproof, bles
     picture.write_bytes(picture.read_bytes()[:-1] + b"?")
     code, out, _ = shadeproof(*words, store, "--batches", "0")
     assert code == 1
-    assert f"damaged {picture}" in out
+    assert f"damaged {picture}; delete it and the .json beside it, and unpack its pack again" in out
     assert shadeproof(*words, store, "--batches", "1")[0] == 2
-    assert shadeproof(*words, tmp_path / "none", "--batches", "2")[0] == 2
+
+
+@pytest.mark.parametrize("batches", ["0", "2"])
+def test_verify_names_the_first_reference_of_the_suite_that_is_missing(
+    shadeproof, blessed, tmp_path, batches
+):
+    words = ["--batches", batches, "--store"]
+    for suite, store in (("frozen", tmp_path / "none"), ("tiny", blessed)):
+        code, out, err = shadeproof("refs", "verify", "--suite", suite, *words, store)
+        assert code == 2 and out == ""
+        (line,) = err.splitlines()
+        assert "contact.studio" in line and "0 of the 8" in line and "refs unpack" in line
+
+
+def test_verify_looks_at_the_references_of_its_suite_alone(shadeproof, blessed, tmp_path):
+    store = tmp_path / "store"
+    shutil.copytree(blessed, store)
+    (other := store / "blessed" / ("0" * 64)).mkdir()
+    (other / "reference.json").write_text("damaged")
+    words = ["refs", "verify", "--suite", "frozen", "--batches", "0", "--store", store]
+    code, out, err = shadeproof(*words)
+    assert code == 0, err
+    count = len(list(blessed.glob("blessed/*")))
+    assert f"sound every file of {count} references" in out
