@@ -9,21 +9,13 @@ from rich.table import Table
 
 from reference.batches import all_stored
 from reference.pack import pack, unpack
-from reference.settings import Kind
 from reference.store import Record, Store, mending
 from reference.verify import FAMILY_ERROR, Check, verify
 from reports.progress import reporting
-from reports.run.job import Job, sources
+from reports.run.job import Job
 from scenes.errors import InputError
-from scenes.schema import Case
-from scenes.suite import Sampling
 
 STYLE = {"current": "green", "blessed": "cyan", "other code": "dim", "other packages": "dim"}
-
-
-def wanted(job: Job) -> list[tuple[Case, Kind, Sampling]]:
-    """Every reference that a job needs."""
-    return [(s.case, s.kind, job.suite.reference) for e in job.entries for s in sources(e)]
 
 
 def print_list(store: Path, console: Console) -> None:
@@ -48,7 +40,7 @@ def _sizes(record: Record) -> list[str]:
 
 def pack_suite(job: Job, file: Path, console: Console) -> None:
     """Write a job's references into one file, and say its digest."""
-    digest, manifest = pack(wanted(job), Store(job.store), file, job.path.stem)
+    digest, manifest = pack(job.wanted, Store(job.store), file, job.path.stem)
     size = file.stat().st_size / 1e6
     console.print(
         f"{file}: {len(manifest['references'])} references, {size:.2f} MB", soft_wrap=True
@@ -75,7 +67,7 @@ def verify_suite(job: Job, batches: int, console: Console) -> bool:
     """
     if batches == 1:
         raise InputError("--batches", "", "one batch has no spread", "give 2 or more, or 0")
-    store, needed = Store(job.store), wanted(job)
+    store, needed = Store(job.store), job.wanted
     damaged = store.damaged({home: None for n in needed for home in store.homes(*n)})
     for path in damaged:
         console.print(f"[red]damaged[/] {path}; {mending(path)}", soft_wrap=True)

@@ -19,7 +19,7 @@ from scenes.environment import load_environment
 from scenes.errors import InputError
 from scenes.mesh import placement
 from scenes.schema import PHYSICAL, Case, Material, Model
-from scenes.suite import Entry, Suite, expand, load_suite
+from scenes.suite import Entry, Sampling, Suite, expand, load_suite
 
 OUTSIDE = "candidate"  # the technique under which an outside candidate's rows stand
 
@@ -88,6 +88,11 @@ class Job:
         """How many verdicts must hold together: the whole suite's, at every look at its batches."""
         label = OUTSIDE if self.outside else ""
         return gate.family_size(self.suite.budget, self.whole, self.suite.reference, label)
+
+    @property
+    def wanted(self) -> list[tuple[Case, Kind, Sampling]]:
+        """Every reference that it needs."""
+        return [(s.case, s.kind, self.suite.reference) for e in self.entries for s in sources(e)]
 
     def candidates(self, entry: Entry) -> dict[str, Candidate]:
         """What draws an entry's case, by technique."""

@@ -8,7 +8,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from reference.batches import all_stored
 from reference.settings import FEWEST_BATCHES
+from reference.store import Store
 from renderer.context import device
 from reports import gate, parity
 from reports.progress import reporting
@@ -27,9 +29,14 @@ def run(job: Job) -> Results:
     Frames are written to `job.out`; the results are returned, not written.
     """
     start = time.perf_counter()
+    if job.out.exists():
+        make_folder(job.out, "--out")
+        _clear(job.out)
+    if job.frozen:
+        all_stored(job.wanted, Store(job.store))
+    executor = job.executor
     make_folder(job.out, "--out")
-    _clear(job.out)
-    if job.executor and not job.frozen:
+    if executor:
         trace_ahead(job, FEWEST_BATCHES)
     elif not job.frozen:
         make_folder(job.store, "--store")

@@ -59,6 +59,20 @@ def test_a_frozen_run_names_the_reference_that_is_missing(blessed, tmp_path, com
     (line,) = [line for line in answer.stderr.splitlines() if not line.startswith("[")]
     assert "contact.studio" in line and "'model'" in line and "7 of the 8" in line
     assert "shadeproof refs unpack" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_frozen_run_says_which_file_is_damaged_before_it_draws(blessed, tmp_path):
+    store = tmp_path / "store"
+    shutil.copytree(blessed, store)
+    picture = next(store.rglob("batch-005.exr"))
+    picture.write_bytes(b"damaged")
+    words = ["gate", "--frozen", "--suite", "frozen", "--store", store, "--out", tmp_path / "out"]
+    answer = without_mitsuba(*words)
+    assert answer.returncode == 2
+    (line,) = answer.stderr.splitlines()  # no picture's progress before it
+    assert f"damaged: {picture}; delete it" in line
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_pack_is_made_listed_and_known_by_its_digest(shadeproof, blessed, tmp_path):
