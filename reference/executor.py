@@ -4,10 +4,12 @@ import logging
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Executor, Future
 from typing import Any
+from urllib.parse import urlsplit
 
 from scenes.errors import InputError
 
 PATIENCE = 30  # seconds to wait for a scheduler, and for its first worker
+PROTOCOLS = ("tcp", "tls", "ws", "wss", "ucx", "ucxx")
 
 
 class Serial(Executor):
@@ -23,12 +25,30 @@ class Serial(Executor):
         return future
 
 
+def check_address(address: str) -> None:
+    """Refuse what cannot be a scheduler's address, before anyone waits for an answer.
+
+    Raises:
+        InputError: it has no host or no port.
+    """
+    try:
+        parts = urlsplit(address if "://" in address else f"tcp://{address}")
+        usable = parts.hostname and parts.port and parts.scheme in PROTOCOLS
+    except ValueError:  # such as a port that is no number
+        usable = False
+    if not usable:
+        remedy = "write tcp://HOST:8786, as `dask scheduler` prints it"
+        raise InputError("--cluster", "", f"'{address}' is no scheduler's address", remedy)
+
+
 def connect(address: str) -> Executor:
     """The workers of a Dask scheduler, such as tcp://host:8786.
 
     Raises:
-        InputError: the package is not installed, nobody answers, or there are no workers.
+        InputError: no address, the package is not installed, nobody answers, or there are no
+            workers.
     """
+    check_address(address)
     try:
         from distributed import Client
     except ImportError as error:

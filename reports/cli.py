@@ -45,7 +45,7 @@ FrozenOption = Annotated[
     typer.Option("--frozen", help="Path-trace nothing; exit with 2 if a reference is missing."),
 ]
 ClusterOption = Annotated[
-    str, typer.Option(help="Path-trace on the workers of this Dask scheduler, tcp://host:port.")
+    str | None, typer.Option(help="Path-trace on the workers of this Dask scheduler, tcp://host:port.")
 ]
 OUT, STORE = Path("reports/out"), Path("reports/references")
 
@@ -75,7 +75,7 @@ def compare(
     candidate: CandidateOption = "",
     timeout: TimeoutOption = 600,
     frozen: FrozenOption = False,
-    cluster: ClusterOption = "",
+    cluster: ClusterOption = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say what would be done, do nothing.")
     ] = False,
@@ -107,7 +107,7 @@ def gate(
     candidate: CandidateOption = "",
     timeout: TimeoutOption = 600,
     frozen: FrozenOption = False,
-    cluster: ClusterOption = "",
+    cluster: ClusterOption = None,
     json: Annotated[
         bool, typer.Option("--json", help="Print the results as JSON, nothing else.")
     ] = False,
@@ -136,7 +136,7 @@ def references(
     filter: FilterOption = "",
     samples: Annotated[int, typer.Option(min=1, help="Samples per pixel to reach.")] = 256,
     frozen: FrozenOption = False,
-    cluster: ClusterOption = "",
+    cluster: ClusterOption = None,
 ) -> None:
     """Path-trace the references of a suite ahead of time and keep them."""
     from reports.run.tracing import references as make
@@ -189,7 +189,7 @@ def verify(
     batches: Annotated[
         int, typer.Option(min=0, help="Fresh batches for each; 0 checks the files alone.")
     ] = 8,
-    cluster: ClusterOption = "",
+    cluster: ClusterOption = None,
 ) -> None:
     """Check every file, and path-trace anew to see that stored references still hold."""
     from reports.refs import verify_suite
@@ -276,7 +276,7 @@ def _job(
     candidate: str = "",
     timeout: float = 600,
     frozen: bool = False,
-    cluster: str = "",
+    cluster: str | None = None,
     brief: bool = False,
 ):
     from reports.candidates import outside_candidate

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from reference.executor import connect
+from reference.executor import check_address, connect
 from reference.settings import TRUTHS, Kind
 from renderer.draw import Renderer
 from renderer.features import technique
@@ -30,7 +30,7 @@ class Job:
 
     Attributes:
         frozen: use the references that are stored, and trace nothing.
-        cluster: the Dask scheduler whose workers trace their batches; this process if empty.
+        cluster: the Dask scheduler whose workers trace their batches; this process if None.
         brief: of what meets its budget, measure no more than the verdict needs.
     """
 
@@ -41,7 +41,7 @@ class Job:
     outside: Candidate | None = None
     command: str = ""
     frozen: bool = False
-    cluster: str = ""
+    cluster: str | None = None
     brief: bool = False
     suite: Suite = field(init=False)
     path: Path = field(init=False)
@@ -50,6 +50,11 @@ class Job:
     whole: list[Entry] = field(init=False)
 
     def __post_init__(self) -> None:
+        if self.cluster is not None:
+            check_address(self.cluster)
+            if self.frozen:
+                problem, remedy = "--frozen traces nothing", "leave one of them out"
+                raise InputError("--cluster", self.cluster, problem, remedy)
         suite, path = load_suite(self.suite_name)
         whole = expand(suite, path)
         entries = [e for e in whole if _matches(e.case.id, self.filter)]
@@ -81,7 +86,7 @@ class Job:
     @cached_property
     def executor(self) -> Executor | None:
         """What traces the batches, if not this process."""
-        return connect(self.cluster) if self.cluster and not self.frozen else None
+        return connect(self.cluster) if self.cluster else None
 
     @property
     def family(self) -> int:

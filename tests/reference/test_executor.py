@@ -197,10 +197,19 @@ def wait_for(ready, seconds=60):
         time.sleep(0.05)
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nonsense"])
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "127.0.0.1:1"])
 def test_a_scheduler_that_does_not_answer_is_one_line(monkeypatch, refused, address):
     monkeypatch.setattr(executor, "PATIENCE", 1)
     refused(lambda: executor.connect(address), "--cluster", address, "dask scheduler")
+
+
+@pytest.mark.parametrize(
+    "address",
+    ["", "bogus", "tcp://host", "tcp://:8786", "tcp://host:port", "http://host:80", "[:1"],
+)
+def test_what_is_no_address_is_refused_without_a_try(monkeypatch, refused, address):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    refused(lambda: executor.connect(address), f"'{address}' is no scheduler's address", "tcp://")
 
 
 def test_a_scheduler_without_workers_is_one_line(scheduler, monkeypatch, refused):
