@@ -1,5 +1,7 @@
 """What the terminal shows: materials down, weights across."""
 
+import math
+
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -78,12 +80,22 @@ def skips(results: Results) -> list[str]:
 
 
 def why(found: Ladder) -> str:
-    """The causes of one object's local energy error in one line; they sum to the total."""
+    """The causes of one object's local energy error in one line, and what they make.
+
+    The total comes from other batches than the causes, so that its sum is a check.
+    """
     causes = [f"{c.name} {c.local.value:+.1%}" for c in found.causes if not c.parent]
     sums = "make" if found.closes else "do NOT sum to"
-    total = f"{sums} the {found.total.local.value:.1%} local energy error"
+    local = found.total.local
+    spread = _spread(100 * (local.high - local.low) / 2)
+    total = f"{sums} {100 * local.value:.1f} ± {spread} % of local energy error (of other batches)"
     place = f"{found.object} in {found.case}, {found.technique} against {found.truth}"
     return f"{place}: {', '.join(causes)} {total}"
+
+
+def _spread(half: float) -> str:
+    """Half an interval to two digits."""
+    return f"{half:.2g}" if half < 10 else f"{half:.0f}" if math.isfinite(half) else "unknown"
 
 
 def describe(row: Row) -> str:

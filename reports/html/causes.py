@@ -307,7 +307,7 @@ class _Balance:
             over=[text for value, text in named if value > 0],
             under=[text for value, text in named if value < 0],
             left=number(left + 0.0, 1, signed=field == "energy" and left != 0),
-            remark="" if exact else " to rounding and noise",
+            remark="" if exact else ", to rounding and noise",
         )
 
 

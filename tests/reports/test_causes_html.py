@@ -222,7 +222,7 @@ def test_the_causes_of_the_local_error_are_named_by_sign_and_sum():
 def test_numbers_that_do_not_sum_digit_for_digit_say_so():
     assert "leaving a local error of 40.0 %." in words()
     off = words(total=cause("total", -0.0196, 0.4012))
-    assert "leaving a local error of 40.1 % to rounding and noise." in off
+    assert "leaving a local error of 40.1 %, to rounding and noise." in off
 
 
 def test_what_built_in_techniques_do_not_draw_is_told_plainly():
@@ -284,9 +284,15 @@ def test_whether_the_steps_sum_is_told(fields, told, fine):
 def test_the_terminal_tells_the_causes_in_one_line():
     assert why(made()) == (
         "left in spheres.dusk, paper against physical: integration +10.0%, occlusion +35.0%, "
-        "interreflection -5.0%, model +0.0% make the 40.0% local energy error"
+        "interreflection -5.0%, model +0.0% make 40.0 ± 0.1 % of local energy error "
+        "(of other batches)"
     )
-    assert "do NOT sum to the 40.0%" in why(made(closes=False))
+    assert "do NOT sum to 40.0 ± 0.1 %" in why(made(closes=False))
+    lost = Figured(value=0.4, low=math.nan, high=math.nan)
+    total = made().total
+    assert "40.0 ± unknown %" in why(made(total=total.model_copy(update={"local": lost})))
+    wide = total.model_copy(update={"local": figure(0.4, 0.123)})
+    assert "40.0 ± 12 %" in why(made(total=wide))
 
 
 class Page(HTMLParser):
