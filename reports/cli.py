@@ -45,7 +45,8 @@ FrozenOption = Annotated[
     typer.Option("--frozen", help="Path-trace nothing; exit with 2 if a reference is missing."),
 ]
 ClusterOption = Annotated[
-    str | None, typer.Option(help="Path-trace on the workers of this Dask scheduler, tcp://host:port.")
+    str | None,
+    typer.Option(help="Path-trace on the workers of this Dask scheduler, tcp://host:port."),
 ]
 OUT, STORE = Path("reports/out"), Path("reports/references")
 
