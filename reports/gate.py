@@ -120,13 +120,14 @@ def judge(row: Row, rules: Sequence[Budget], family: int = 1) -> Row:
     """The row with its budget, margins and verdict.
 
     A figure passes when its whole interval does and fails when none of it does; in between it is
-    inconclusive, and `note` says how many samples would decide. The intervals are so wide that
+    inconclusive, and `note` says how many samples would decide, unless another figure fails the
+    row. The intervals are so wide that
     of `family` verdicts (`family_size`) any is wrong with a chance of 1e-3 (Šidák 1967). Margins
     are fractions of the budget, negative where the figure is over it.
     """
     limits, reasons = budget_of(row, rules)
     confidence = sidak(FAMILY_ERROR, family)
-    margins, verdicts, unsharp = {}, {}, []
+    margins, verdicts, unsharp, deciding = {}, {}, [], []
     notes = [*filter(None, [row.note]), *(f"budget: {r}" for r in reasons)]
     for metric, limit in limits.items():
         value = getattr(row, metric)
@@ -135,7 +136,7 @@ def judge(row: Row, rules: Sequence[Budget], family: int = 1) -> Row:
         if metric == "silhouette" and math.isnan(value):
             notes.append("silhouette: the candidate gives no object ids")
         if verdicts[metric] == "inconclusive":
-            notes.append(_samples_to_decide(row, metric, value, low, high, limit))
+            deciding.append(_samples_to_decide(row, metric, value, low, high, limit))
         elif not row.problem and not _sharp(row, metric, limit):
             notes.append(f"{metric}: its 95 % interval is wider than a third of its budget")
         if not row.problem and not _sharp(row, metric, limit):
@@ -145,6 +146,8 @@ def judge(row: Row, rules: Sequence[Budget], family: int = 1) -> Row:
     else:
         order = ("fail", "inconclusive", "pass")
         verdict = next((v for v in order if v in verdicts.values()), "reported")
+    if verdict != "fail":
+        notes += deciding
     return row.model_copy(
         update={
             "budget": limits,
@@ -200,7 +203,10 @@ def _samples_to_decide(
     factor = ((high - low) / 2 / distance) ** 2
     if not math.isfinite(factor):
         return f"{metric}: its interval has no end"
-    return f"{metric}: about {math.ceil(row.reference_spp * factor)} samples per pixel would decide"
+    samples = math.ceil(row.reference_spp * factor)
+    if samples <= row.reference_spp:  # its interval is skew: the near side is the wide one
+        return f"{metric}: its noise is uneven: at least twice the samples would decide"
+    return f"{metric}: about {samples} samples per pixel would decide"
 
 
 def conclude(results: Results) -> Results:

@@ -109,9 +109,11 @@ def describe(row: Row) -> str:
 
 
 def _held(row: Row, metric: str) -> str:
-    """A figure against its limit; one that misses it says so."""
+    """A figure against its limit; one that misses it says so, or that noise hides whether."""
     value, limit = getattr(row, metric), row.budget[metric]
     shown = f"{metric} {_figure(metric, value)} of {_figure(metric, limit)}"
+    if metric in row.undecided:
+        return f"{shown} undecided"
     return f"{shown} MISSED" if row.margins[metric] < 0 else shown
 
 

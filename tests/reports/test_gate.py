@@ -7,6 +7,7 @@ import pytest
 
 from reports import ci, gate
 from reports.results import Missing, Results, Row
+from reports.terminal import describe
 from scenes.suite import Budget, expand, load_suite
 
 PASSING = {
@@ -102,6 +103,30 @@ def test_inconclusive_says_how_many_samples_would_decide():
     judged = gate.judge(row(energy_error=0.045, energy_se=0.006), RULES)
     # 3.3 standard errors of .006 for 1e-3, at a distance of .005, squared: 15.7 times the 256.
     assert "about 4016 samples" in judged.note
+
+
+def test_a_row_that_fails_asks_for_no_samples_for_its_other_figures():
+    failing = gate.judge(row(ssim=0.5, energy_error=0.045, energy_se=0.006), RULES)
+    assert failing.verdict == "fail" and failing.undecided == ["energy_error"]
+    assert "would decide" not in failing.note
+    broken = gate.judge(row(problem="crashed", energy_error=0.045, energy_se=0.006), RULES)
+    assert "would decide" not in broken.note
+
+
+def test_the_samples_that_would_decide_are_more_than_were_taken():
+    # Its square, .0009 ± .0095, reaches up to .102²: over the budget, and far from the figure.
+    skew = gate.judge(row(energy_local=0.03, energy_local_se=0.00275), RULES)
+    assert skew.undecided == ["energy_local"]
+    told = "energy_local: its noise is uneven: at least twice the samples would decide"
+    assert told in skew.note and "about" not in skew.note
+
+
+def test_a_figure_that_noise_hides_is_undecided_and_not_missed():
+    hidden = gate.judge(row(energy_error=0.052, energy_se=0.006), RULES)
+    assert hidden.verdict == "inconclusive"
+    assert "energy_error 5.2% of 5% undecided" in describe(hidden)
+    assert "MISSED" not in describe(hidden)
+    assert "energy_error 8% of 5% MISSED" in describe(gate.judge(row(energy_error=0.08), RULES))
 
 
 def test_verdicts_of_a_family_hold_together_at_one_in_a_thousand():
