@@ -34,6 +34,7 @@ from scenes.schema import (
 HERE = Path(__file__).resolve().parent
 Truth = Literal["unoccluded", "direct", "global", "physical", "physical-smith"]
 Resolution = tuple[Pixels, Pixels]
+SPLIT = ("unoccluded", "direct", "global", "physical")  # the truths that `split_model` needs
 AXES = ("weight", "roughness", "metallic")
 
 
@@ -204,8 +205,15 @@ def expand(suite: Suite, path: Path) -> list[Entry]:
         suite: as read from `path`; relative paths in it start at the folder of `path`.
 
     Raises:
-        InputError: a scene, environment, mesh or material is missing or invalid.
+        InputError: a scene, environment, mesh or material is missing or invalid, or a run splits
+            an error that its truths do not have.
     """
+    for number, run in enumerate(suite.run):
+        lacks = [t for t in SPLIT if t not in (run.truths or suite.truths)]
+        if run.split_model and lacks:
+            problem = f"splits what lies between `global` and `physical`; truths has no {lacks[0]}"
+            remedy = f"add {', '.join(lacks)} to truths, or leave it out"
+            raise InputError(path, f"run.{number}.split_model", problem, remedy)
     entries = [
         Entry(
             case=case,

@@ -148,6 +148,33 @@ def test_integers_are_numbers(write_suite):
     assert expand(*load_suite(str(path)))[0].case.camera.fov == 30.0
 
 
+@pytest.mark.parametrize(
+    ("truths", "told"),
+    [
+        ('["global"]', "add unoccluded, direct, physical to truths"),
+        ('["unoccluded", "direct", "global"]', "add physical to truths"),
+        ('["direct", "global", "physical"]', "add unoccluded to truths"),
+    ],
+)
+@pytest.mark.parametrize("whole", [True, False], ids=["of the suite", "of the run"])
+def test_a_split_of_an_error_that_is_not_measured_is_refused(
+    write_suite, refused, truths, told, whole
+):
+    path = write_suite(
+        RUN, f"{RUN}\nsplit_model = true" + ("" if whole else f"\ntruths = {truths}")
+    )
+    if whole:
+        path.write_text(path.read_text().replace('truths = ["global"]', f"truths = {truths}"))
+    refused(lambda: expand(*load_suite(str(path))), "run.0.split_model", told, "or leave it out")
+
+
+def test_a_split_of_all_its_truths_is_taken(write_suite):
+    path = write_suite(RUN, f"{RUN}\nsplit_model = true")
+    every = 'truths = ["physical", "global", "direct", "unoccluded"]'
+    path.write_text(path.read_text().replace('truths = ["global"]', every))
+    assert all(e.split_model for e in expand(*load_suite(str(path))))
+
+
 def test_two_objects_of_one_name_are_refused(write_suite, refused, tmp_path):
     path = write_suite()
     scene = (tmp_path / "ball.toml").read_text()
