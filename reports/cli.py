@@ -117,8 +117,12 @@ def gate(
 
     What meets its budget is measured no further than that takes.
     """
+    from reports.gate import headline
+
     job = _job(suite, out, store, filter, candidate, timeout, frozen, cluster, brief=True)
     results = _compare(job, json)
+    if headline(results) == "reported" and not json:
+        console.print("[red bold]FAIL[/]: a gate needs a row with a budget")
     raise typer.Exit(0 if results.verdict == "pass" else 1)
 
 

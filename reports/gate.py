@@ -233,6 +233,12 @@ def conclude(results: Results) -> Results:
     return results.model_copy(update={"verdict": "fail" if reasons else "pass", "reasons": reasons})
 
 
+def headline(results: Results) -> Verdict:
+    """What a run has to say: its verdict, or `reported` where that nothing was judged is all."""
+    judged = any(r.verdict != "reported" for r in results.rows)
+    return results.verdict if judged or not results.rows or results.missing else "reported"
+
+
 def worst_first(rows: list[Row]) -> list[Row]:
     """Rows by verdict (fail, inconclusive, pass, reported), then by their smallest margin."""
     order = {"fail": 0, "inconclusive": 1, "pass": 2, "reported": 3}

@@ -8,7 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from reports.furnace import MASKINGS, Departure, EnergyClaim, Quantity
-from reports.gate import worst_first
+from reports.gate import headline, worst_first
 from reports.results import Ladder, Results, Row
 
 STYLE = {"pass": "green", "fail": "red", "inconclusive": "yellow", "reported": "dim"}
@@ -55,11 +55,9 @@ def _lines(rows: list[Row]) -> dict[str, list[Row]]:
 
 def print_verdict(results: Results, console: Console) -> None:
     """The verdict in one line, then why, then the worst rows."""
-    style = STYLE[results.verdict]
+    word = headline(results)
     counts = [f"{sum(r.verdict == v for r in results.rows)} {v}" for v in STYLE]
-    console.print(
-        f"[{style} bold]{results.verdict.upper()}[/]: {', '.join([*counts, *skips(results)])}"
-    )
+    console.print(f"[{STYLE[word]} bold]{word.upper()}[/]: {', '.join([*counts, *skips(results)])}")
     for reason in results.reasons:
         console.print(f"  {reason}", markup=False, soft_wrap=True)
     ranked = worst_first(results.rows)

@@ -4,7 +4,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from reports.gate import worst_first
+from reports.gate import headline, worst_first
 from reports.html import causes, columns, verdict
 from reports.html.colour import SIGNED, SIMILARITY, Scale
 from reports.html.energy_claim import ClaimView, energy_claim_view
@@ -87,6 +87,7 @@ class Page:
     """All that the template shows."""
 
     results: Results
+    headline: str
     sentence: str
     caution: str
     counts: str
@@ -120,6 +121,7 @@ def page_of(results: Results, folder: Path) -> Page:
     place = next((c for c in records if worst and c.id == worst.case), None)
     return Page(
         results=results,
+        headline=headline(results),
         sentence=verdict.sentence(results, ranked),
         caution=verdict.caution(results),
         counts=_counts(results.rows),

@@ -2,7 +2,7 @@
 
 import math
 
-from reports.gate import budget_of
+from reports.gate import budget_of, headline
 from reports.html.figures import METRICS, decisive, percent
 from reports.results import Results, Row
 
@@ -13,7 +13,7 @@ def sentence(results: Results, ranked: list[Row]) -> str:
     Args:
         ranked: the rows, worst first.
     """
-    head = results.verdict.upper() + _part(results)
+    head = headline(results).upper() + _part(results)
     if not ranked:
         return f"{head}: {results.reasons[0] if results.reasons else 'no row was compared'}."
     worst = ranked[0]

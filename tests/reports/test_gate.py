@@ -1,13 +1,16 @@
 """Verdicts: what passes, what fails, and what must never pass unseen."""
 
+import io
 import math
 from xml.etree import ElementTree
 
 import pytest
+from rich.console import Console
+from typer.testing import CliRunner
 
-from reports import ci, gate
+from reports import ci, cli, gate
 from reports.results import Missing, Results, Row
-from reports.terminal import describe
+from reports.terminal import describe, print_results
 from scenes.suite import Budget, expand, load_suite
 
 PASSING = {
@@ -194,6 +197,25 @@ def test_a_run_fails_with_its_reason(rows, changes, reason):
     assert any(reason in r for r in concluded.reasons)
 
 
+def test_a_run_without_budgets_is_reported_and_fails_a_gate():
+    unjudged = gate.judge(row(), [])
+    run = results([unjudged], budgets=[])
+    assert gate.headline(run) == "reported" and run.verdict == "fail"
+    said = io.StringIO()
+    print_results(run, Console(file=said, width=120))
+    assert "REPORTED: 0 pass" in said.getvalue() and "FAIL" not in said.getvalue()
+    assert "no row has a budget" in said.getvalue()
+
+
+def test_what_went_wrong_is_a_failure_without_budgets_too():
+    gap = Missing(case="c", object="o", technique="t", truth="global")
+    unjudged = gate.judge(row(), [])
+    assert gate.headline(results([unjudged], missing=[gap])) == "fail"
+    assert gate.headline(results([unjudged, gate.judge(row(problem="crashed"), [])])) == "fail"
+    assert gate.headline(results([])) == "fail"
+    assert gate.headline(results([gate.judge(row(), RULES), unjudged])) == "pass"
+
+
 def test_a_good_run_passes():
     assert results([gate.judge(row(), RULES)]).verdict == "pass"
 
@@ -233,3 +255,12 @@ def test_the_summary_goes_where_github_says_and_errors_are_annotated(tmp_path, m
     assert "FAIL" in (tmp_path / "step.md").read_text()
     assert "::error title=shadeproof bunnies.courtyard::" in (said := capsys.readouterr().err)
     assert "50%25 gone%0Anow" in said
+
+
+def test_a_gate_without_budgets_says_that_it_fails(monkeypatch):
+    said = io.StringIO()
+    monkeypatch.setattr(cli, "console", Console(file=said))
+    monkeypatch.setattr(cli, "_job", lambda *_, **__: None)
+    monkeypatch.setattr(cli, "_compare", lambda *_: results([gate.judge(row(), [])], budgets=[]))
+    assert CliRunner().invoke(cli.app, ["gate"]).exit_code == 1
+    assert "FAIL: a gate needs a row with a budget" in said.getvalue()
