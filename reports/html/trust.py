@@ -6,7 +6,10 @@ from dataclasses import dataclass
 from statistics import median
 
 from reports.html.figures import GAP, METRICS, NONE, half_width, percent, similarity
-from reports.results import Results
+from reports.html.verdict import against
+from reports.results import Results, Row
+
+NEAR_BLACK = 5.0  # times the light of a block: from there on the truth, not the picture, is why
 
 
 @dataclass(frozen=True)
@@ -59,10 +62,23 @@ def _noise(results: Results) -> str:
         if halves:
             unknown = f"; unknown in {len(reasons)}" if reasons else ""
             figures = f"±{GAP}{show(median(halves))}, ±{GAP}{show(max(halves))}"
-            parts.append(f"{label} {figures}{unknown}")
+            parts.append(f"{label} {figures}{_worst(name, results.rows)}{unknown}")
         elif reasons:
             parts.append(f"{label} unknown: {reasons[0]}")
     return "\n".join(parts) or NONE
+
+
+def _worst(name: str, rows: list[Row]) -> str:
+    """Which row is the noisiest, and why if its figure tells; nothing of a single row."""
+    known = [r for r in rows if math.isfinite(half_width(METRICS[name].bounds(r)))]
+    if len(known) < 2:
+        return ""
+    row = max(known, key=lambda r: half_width(METRICS[name].bounds(r)))
+    told = f"{row.object} in {row.case}, {against(row)}"
+    # Blocks are held against the truth's own light in them, and so is their noise.
+    if name == "energy_local" and row.energy_local > NEAR_BLACK:
+        told += f": {percent(row.energy_local)} off, its truth has near-black blocks"
+    return f" ({told})"
 
 
 def _rows(results: Results) -> Fact:

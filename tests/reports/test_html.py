@@ -173,6 +173,14 @@ def test_verdict_says_what_kind_of_worst(folder, fields, words):
     assert words in Page(written(results([row(**fields)]), folder)).text["h1"]
 
 
+def test_a_run_without_budgets_is_reported_and_not_failed(folder):
+    run = results([judge(row(), [])], budgets=[])
+    page = Page(written(run, folder))
+    assert page.text["h1"].startswith("REPORTED: no row has a budget, so nothing was judged")
+    assert page.text["title"].startswith("REPORTED")
+    assert [a["class"] for t, a in page.elements if t == "h1"] == ["verdict reported"]
+
+
 def test_verdict_of_a_run_without_rows(folder):
     assert "no case was compared" in Page(written(results([]), folder)).text["h1"]
 
@@ -343,6 +351,20 @@ def test_what_nobody_foresaw_costs_one_picture(folder, monkeypatch):
     page = Page(written(results([row()]), folder))
     assert page.text["figure"].count("cannot be drawn (ZeroDivisionError: no such thing)") == 1
     assert image(page, "Signed error of spheres.dusk").shape == (HEIGHT, WIDTH, 4)
+
+
+def test_the_noisiest_row_is_named_with_its_reason(folder):
+    loud = row(object="right", case="spheres.noon", truth="direct", energy_local=65.5,
+               energy_local_ci95=(63.9, 67.1))  # fmt: skip
+    text = Page(written(results([row(), loud]), folder)).text["dl"].replace("\u202f", " ")
+    assert (
+        "± 160 % (right in spheres.noon, paper vs direct: 6550 % off, its truth has near-black"
+    ) in text
+    mild = row(object="right", energy_local=0.3, energy_local_ci95=(0.2, 0.4))
+    text = Page(written(results([row(), mild]), folder)).text["dl"].replace("\u202f", " ")
+    assert "± 10.0 % (right in spheres.dusk, paper vs global)" in text
+    assert "near-black" not in text
+    assert "right in" not in Page(written(results([mild]), folder)).text["dl"]
 
 
 def test_noise_of_a_run_without_figures(folder):
