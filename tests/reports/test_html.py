@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from reports.furnace import MASKINGS, energy_claim
 from reports.gate import conclude, judge
 from reports.html import write_report
 from reports.html.colour import NOT_A_NUMBER, SIGNED, SIMILARITY
@@ -397,6 +398,17 @@ def test_matrix_starts_with_what_the_headline_names(folder, figures, name):
     shown = {a["data-energy"] for t, a in page.elements
              if t == "table" and "matrix" in a["class"] and "hidden" not in a}  # fmt: skip
     assert chosen == name and shown == {name, ""}
+
+
+def test_the_energy_claim_tells_what_kd_at_the_view_angle_keeps_and_loses(folder):
+    text = " ".join(Page(written(results([row()]), folder)).text["section"].split())
+    assert "sends back at most 100.3 % (100.4 % with smith)" in text
+    assert "as little as 12.3 % (roughness 1, 89° from the normal" in text
+    assert "loses 87.7 % of the light of a white surface" in text
+    claim = energy_claim()
+    paper, smith = (claim.least("shortcut", masking) for masking in MASKINGS)
+    assert paper.figure == pytest.approx(smith.figure)  # 'with either masking'
+    assert "no facets are lost or counted twice" in text and "nothing is made" not in text
 
 
 def test_close_up_of_the_error_says_whose_it_is(folder):
