@@ -15,7 +15,7 @@ import secrets
 import shutil
 import zipfile
 from collections.abc import Iterable
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from reference.batches import missing
 from reference.settings import FEWEST_BATCHES, Kind
 from reference.store import BLESSED, Store, contents, digest, read_head, sound
 from scenes.errors import InputError
-from scenes.frame import sha256, written_aside
+from scenes.frame import sha256, unwritable, written_aside
 from scenes.schema import Case
 from scenes.suite import Sampling
 
@@ -139,6 +139,7 @@ def unpack(path: Path, store: Store, expected: str = "") -> dict[str, Any]:
             head = read_head(folder)
             if head is None or digest(head["inputs"]) != folder.name:
                 raise ValueError(f"{folder.name}/reference.json names other inputs")
+        (store.folder / BLESSED).mkdir(exist_ok=True)
         for folder in sorted(aside.iterdir()):
             _settle(folder, store.folder / BLESSED / folder.name)
     return manifest
@@ -148,16 +149,17 @@ def unpack(path: Path, store: Store, expected: str = "") -> dict[str, Any]:
 def _aside(store: Store):
     """A hidden folder in the store, gone afterwards; trouble with writing becomes one line."""
     aside = store.folder / f".{secrets.token_hex(4)}-unpack"
+    fresh = [f for f in (store.folder, *store.folder.parents) if not f.exists()]
     try:
-        (store.folder / BLESSED).mkdir(parents=True, exist_ok=True)
-        aside.mkdir()
+        aside.mkdir(parents=True)
         yield aside
     except OSError as error:
-        problem = f"cannot be written ({error.strerror or error})"
-        remedy = "free some room, or choose another folder"
-        raise InputError("--store", str(store.folder), problem, remedy) from error
+        raise unwritable("--store", str(store.folder), error) from error
     finally:
         shutil.rmtree(aside, ignore_errors=True)
+        for folder in fresh:
+            with suppress(OSError):  # it holds what was unpacked
+                folder.rmdir()
 
 
 @contextmanager

@@ -147,5 +147,11 @@ def written_aside(path: Path) -> Iterator[Path]:
             aside.unlink(missing_ok=True)
         if not isinstance(error, OSError):
             raise
-        problem = f"cannot be written ({error.strerror or error})"
-        raise InputError(path, "", problem, "free some room, or choose another folder") from error
+        raise unwritable(path, "", error) from error
+
+
+def unwritable(where: str | Path, field: str, error: OSError) -> InputError:
+    """What to say where the system refuses a write."""
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    remedy = "free some room, or choose another folder" if full else "choose another path"
+    return InputError(where, field, f"cannot be written ({error.strerror or error})", remedy)

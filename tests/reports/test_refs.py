@@ -92,6 +92,26 @@ def test_a_pack_is_made_listed_and_known_by_its_digest(shadeproof, blessed, tmp_
     assert not (tmp_path / "blessed").exists()
 
 
+def test_an_unpack_that_fails_leaves_nothing(shadeproof, tmp_path):
+    (bad := tmp_path / "bad.refs").write_bytes(PACK.read_bytes()[:-1000])
+    code, _, err = shadeproof("refs", "unpack", bad, "--store", tmp_path / "new/store")
+    assert code == 2 and "no sound pack" in err
+    (store := tmp_path / "store").mkdir()
+    assert shadeproof("refs", "unpack", bad, "--store", store)[0] == 2
+    assert sorted(tmp_path.rglob("*")) == [bad, store]
+
+
+def test_a_path_that_cannot_be_written_is_told_from_a_full_disk(shadeproof, blessed, tmp_path):
+    words = ["refs", "pack", "--suite", "frozen", "--store", blessed, "--out", tmp_path]
+    code, _, err = shadeproof(*words)
+    assert code == 2
+    assert f"{tmp_path}: cannot be written (Is a directory); choose another path" in err
+    (store := tmp_path / "file").write_text("")
+    code, _, err = shadeproof("refs", "unpack", PACK, "--store", store)
+    assert code == 2
+    assert "cannot be written (Not a directory); choose another path" in err
+
+
 def test_a_pack_of_what_is_not_stored_names_it(shadeproof, blessed, tmp_path):
     words = ["--suite", "tiny", "--out", tmp_path / "x.refs", "--store", blessed]
     code, _, err = shadeproof("refs", "pack", *words)

@@ -134,7 +134,7 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path, refused, save):
         lambda: save_frame(Frame(RGB), path) if with_frame else write_text(path, "{}"),
         "frame.exr",
         "cannot be written (File exists)",
-        "choose another folder",
+        "choose another path",
     )
 
 
