@@ -19,7 +19,14 @@ STYLE = {"current": "green", "blessed": "cyan", "other code": "dim", "other pack
 
 
 def print_list(store: Path, console: Console) -> None:
-    """What a store holds, a row each."""
+    """What a store holds, a row each.
+
+    Raises:
+        InputError: there is no such store.
+    """
+    if not store.is_dir():
+        remedy = "check the path, or trace or unpack references into it"
+        raise InputError("--store", str(store), "no such folder", remedy)
     table = Table(box=box.SIMPLE_HEAD, title=f"references in {store}")
     for heading in ("case", "kind", "model"):
         table.add_column(heading)

@@ -61,7 +61,7 @@ class Job:
         skipped = [e.case.id for e in whole if e not in entries]
         if not entries:
             raise InputError(
-                "--filter", self.filter, "no case matches", "see `--list` for their names"
+                "--filter", self.filter, "no case matches", "see `shadeproof compare --list`"
             )
         for name in {t for e in entries for t in e.techniques}:
             try:
@@ -70,7 +70,8 @@ class Job:
                 raise InputError(path, "techniques", str(error), "use a known technique") from error
             if not self.outside and (what := technique(name).cannot_draw(suite.model)):
                 problem = f"'{name}' cannot draw {what}"
-                raise InputError(path, "model", problem, "leave it out, or give a --candidate")
+                field = f"model.{what.split()[0]}"
+                raise InputError(path, field, problem, "leave it out, or give a --candidate")
         for entry in entries:
             load_environment(entry.case.environment.path)
             for obj in entry.case.objects:

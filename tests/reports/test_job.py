@@ -231,7 +231,7 @@ def test_a_model_that_a_technique_cannot_draw_is_refused(shadeproof, pictures, t
     suite.write_text(SUITE.format(limit=1.0) + EXACT)
     code, _, err = shadeproof("compare", "--suite", suite, "--out", tmp_path / "out")
     assert code == 2
-    assert f"{suite}: model: 'paper' cannot draw fresnel = 'exact'; " in err
+    assert f"{suite}: model.fresnel: 'paper' cannot draw fresnel = 'exact'; " in err
     # What an outside candidate can draw is its own affair.
     words = ("compare", "--suite", suite, "--out", tmp_path / "out", "--dry-run")
     assert shadeproof(*words, "--candidate", pictures)[0] == 0
@@ -264,7 +264,10 @@ def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limi
     [
         (("compare", "--suite", "nosuch"), "unknown name 'nosuch'"),
         (("compare", "--suite", "missing.toml"), "no such file"),
-        (("compare", "--suite", "tiny", "--filter", "zebra"), "no case matches"),
+        (
+            ("compare", "--suite", "tiny", "--filter", "zebra"),
+            "no case matches; see `shadeproof compare --list`",
+        ),
         (("compare", "--suite", "tiny", "--candidate", "/no/such/folder"), "no such folder"),
         (("compare", "--suite", "tiny", "--candidate", "draw {case}"), "{out}"),
         (("compare", "--suite", "tiny", "--candidate", "draw '{case} {out}"), "quot"),
@@ -272,6 +275,7 @@ def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limi
         (("compare", "--suite", "tiny", "--cluster", "bogus"), "no scheduler's address"),
         (("references", "--suite", "tiny", "--cluster", ""), "no scheduler's address"),
         (("gate", "--frozen", "--cluster", "tcp://h:1"), "--frozen traces nothing"),
+        (("refs", "list", "--store", "/no/such/folder"), "no such folder"),
         (("report", "--out", "/no/such/folder"), "results.json"),
         (("compare", "--suite", "tiny", "--out", "/proc/nothing"), "cannot be written"),
     ],
