@@ -92,8 +92,10 @@ def why(found: Ladder) -> str:
 
 
 def _spread(half: float) -> str:
-    """Half an interval to two digits."""
-    return f"{half:.2g}" if half < 10 else f"{half:.0f}" if math.isfinite(half) else "unknown"
+    """Half an interval to one digit, or whole."""
+    if not math.isfinite(half):
+        return "unknown"
+    return f"{half:.1g}" if half < 1 else f"{half:.0f}"
 
 
 def describe(row: Row) -> str:
