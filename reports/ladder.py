@@ -275,6 +275,8 @@ class Local:
         cells = pairs(products)
         self.square = float(cells.sum())
         self.root = math.sqrt(self.square) if self.square > 0 else math.nan
+        # Where noise hides local energy there are no shares, but the sum can still be held to it.
+        self.scale = self.root if self.square > 0 else math.sqrt(float(np.abs(cells).sum())) or 1.0
         variance = (
             jackknife(pairs_without_each(products))
             if len(own) > 2
@@ -307,7 +309,7 @@ class Local:
             moved += [(sign * slope, n) for sign, n in self.whole]
             variances.append(self.weights**2 * self.blocks.total(moved, half)[1])
         se, dof = combined(np.concatenate(variances), self.dof)
-        return Estimate(value / self.root, se / self.root, dof)
+        return Estimate(value / self.scale, se / self.scale, dof)
 
 
 def _missing(blocks: Pictures, pixels: np.ndarray) -> dict[str, Figured]:
@@ -315,33 +317,50 @@ def _missing(blocks: Pictures, pixels: np.ndarray) -> dict[str, Figured]:
 
     Least squares of R - T1 on T2 - T1, T3 - T2 and T1 (a gain, so that a picture too bright is not
     taken for one without shadows) over the blocks, each over the block's light. Products are
-    taken between different batches, so that noise does not flatten the slopes. What else is wrong
-    with the candidate may look alike, so the error is also taken from parts of the object.
+    taken between different batches, so that noise does not flatten the slopes.
+
+    What else is wrong with the candidate may look alike. So its error holds what batches move the
+    slopes by, what parts of the object do, and what other weights of the blocks do.
     """
     one, two, three = (blocks.cells[t] for t in RUNGS[:3])
-    light = three.mean(axis=0)
-    scale = np.where(light > 0, np.sqrt(pixels) / np.where(light > 0, light, 1), 0)
-    own = blocks.cells["candidate"] - one
-    vectors = np.stack([two - one, three - two, one, own], axis=1) * scale  # (n, 4, c)
-    parts = np.array_split(np.arange(len(light)), PARTS)
+    vectors = np.stack([two - one, three - two, one, blocks.cells["candidate"] - one], axis=1)
+    lit = (three.mean(axis=0) > 0) & (one.mean(axis=0) > 0)
+    vectors, pixels, first, light = vectors[..., lit], pixels[lit], one[:, lit], three[:, lit]
+    weights = [np.sqrt(pixels) / light.mean(axis=0), np.sqrt(pixels) / first.mean(axis=0)]
+    weights += [1 / np.sqrt(light.mean(axis=0)), 1 / np.sqrt(pixels)]
+    batches, cells = np.arange(len(vectors)), np.arange(len(pixels))
+    fit = _Fit(vectors, weights[0])
+    by_batch = np.stack([fit(batches[batches != k], cells) for k in batches])
+    parts = np.array_split(cells, PARTS)
+    by_part = np.stack([fit(batches, np.setdiff1d(cells, part)) for part in parts])
+    others = [_Fit(vectors, w)(batches, cells) for w in weights]
+    error = np.sqrt(jackknife(by_batch) + jackknife(by_part) + np.var(others, axis=0, ddof=1))
+    return {
+        name: _figured(Estimate(float(value), float(se), len(weights) - 1))
+        for name, value, se in zip(NAMES[1:3], 1 - fit(batches, cells), error, strict=True)
+    }
 
-    def slopes(batches: np.ndarray, cells: np.ndarray) -> np.ndarray:
-        kept = vectors[np.ix_(batches, range(4), cells)]
+
+@dataclass(frozen=True)
+class _Fit:
+    """Slopes of occlusion and interreflection, from some batches and cells.
+
+    Attributes:
+        vectors: (n, 4, c): T2 - T1, T3 - T2, T1 and R - T1.
+        weights: (c,) by which cells are scaled.
+    """
+
+    vectors: np.ndarray
+    weights: np.ndarray
+
+    def __call__(self, batches: np.ndarray, cells: np.ndarray) -> np.ndarray:
+        kept = self.vectors[np.ix_(batches, range(4), cells)] * self.weights[cells]
         total = kept.sum(axis=0)
         products = total @ total.T - np.einsum("kac,kbc->ab", kept, kept)
         try:
             return np.linalg.solve(products[:3, :3], products[:3, 3])[:2]
         except np.linalg.LinAlgError:
             return np.full(2, np.nan)
-
-    batches, cells = np.arange(len(vectors)), np.arange(len(light))
-    by_batch = np.stack([slopes(batches[batches != k], cells) for k in batches])
-    by_part = np.stack([slopes(batches, np.setdiff1d(cells, part)) for part in parts])
-    error = np.sqrt(jackknife(by_batch) + jackknife(by_part))
-    return {
-        name: _figured(Estimate(float(value), float(se), len(batches) - 1))
-        for name, value, se in zip(NAMES[1:3], 1 - slopes(batches, cells), error, strict=True)
-    }
 
 
 def _ssim_step(name: str, rungs: Sequence[str], ssim: dict[str, Estimate]) -> Figured | None:

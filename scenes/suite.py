@@ -35,6 +35,8 @@ HERE = Path(__file__).resolve().parent
 Truth = Literal["unoccluded", "direct", "global", "physical", "physical-smith"]
 Resolution = tuple[Pixels, Pixels]
 SPLIT = ("unoccluded", "direct", "global", "physical")  # the truths that `split_model` needs
+# A picture that is black has an energy error of -1: a bound of 1 would let it pass.
+Share = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False, strict=True)]
 AXES = ("weight", "roughness", "metallic")
 
 
@@ -148,7 +150,7 @@ class Budget(Strict):
     material: str | None = None
     weight: Unit | None = None
     reason: str = ""
-    energy_error: Positive | None = None
+    energy_error: Share | None = None
     energy_local: Positive | None = None
     ssim: Unit | None = None
     silhouette: Unit | None = None
