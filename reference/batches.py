@@ -97,7 +97,7 @@ def grow(
     """The stored batches of a reference, with more made until there are enough.
 
     At least 8 batches, then twice as many each time `enough` says no, up to
-    `sampling.max_samples`. Every batch is stored at once. Batch k is always the same picture.
+    `sampling.max_samples`. Every batch is stored at once, and none is made twice.
 
     Args:
         enough: asked with all batches so far, in order.
@@ -206,8 +206,8 @@ def trace_batch(task: Task, identity: str) -> tuple[Frame, np.ndarray]:
     case, kind, sampling, number = task
     try:
         differs = "its code, packages or scene files differ" if task.identity != identity else ""
-    except OSError as error:
-        differs = f"{error.filename} cannot be read ({error.strerror})"
+    except InputError as error:
+        differs = f"{error.where} cannot be read ({error.problem})"
     if differs:
         remedy = "give every worker this shadeproof, with the same files at the same paths"
         raise InputError("--cluster", f"worker on {platform.node()}", differs, remedy)

@@ -9,9 +9,11 @@ KEY is the digest of inputs and maker (see reference.maker), INPUTS that of the 
 the picture must be. The batches of a blessed reference come first; this machine adds to them, under
 its own KEY and so with seeds of its own.
 
-Nothing is ever changed, only added, each file whole or not at all (see `save_frame`), and batch k
-of a KEY is the same picture whoever makes it: processes may share a store. Names that begin with a
-dot are writes that were cut off: never read, and removed when they are an hour old.
+Nothing is ever changed, only added, each file whole or not at all (see `save_frame`), and the first
+to finish batch k keeps it: processes may share a store. Batch k of a KEY is the same picture
+whoever makes it on one kind of processor with one variant of Mitsuba, both told by its provenance;
+from another (`cuda` for `llvm`) it is an estimate of the same picture from the same seed. Names
+that begin with a dot are writes that were cut off: never read, and removed when an hour old.
 """
 
 import datetime
@@ -21,6 +23,7 @@ import shutil
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -28,9 +31,11 @@ import numpy as np
 
 from reference.maker import maker
 from reference.settings import PATH, Kind, rounded_samples
+from scenes.environment import load_environment
 from scenes.errors import InputError
 from scenes.frame import Frame, load_frame, save_frame, write_text
-from scenes.schema import PRIMITIVES, Case, Material, Model, Object, file_digest
+from scenes.mesh import load_mesh
+from scenes.schema import Case, Material, Model, Object
 from scenes.suite import Sampling
 
 BLESSED = "blessed"
@@ -290,7 +295,12 @@ def digest(content: dict[str, Any]) -> str:
 def contents(case: Case, kind: Kind, sampling: Sampling) -> dict[str, Any]:
     """The inputs: what the picture must be, in values and digests, no names or paths.
 
-    How it is sampled is the maker's affair, but for the samples in a batch.
+    Meshes and environments are digested as the arrays that are drawn, so that a library which
+    decodes a file otherwise, or computes other normals, gives other inputs. How it is sampled is
+    the maker's affair, but for the samples in a batch.
+
+    Raises:
+        InputError: a mesh or an environment cannot be used.
     """
     return {
         "kind": kind,
@@ -298,7 +308,7 @@ def contents(case: Case, kind: Kind, sampling: Sampling) -> dict[str, Any]:
         "camera": case.camera.model_dump(),
         "size": [case.width, case.height],
         "environment": {
-            "sha256": file_digest(case.environment.path),
+            "sha256": _environment_digest(Path(case.environment.path)),
             "rotation": case.environment.rotation,
         },
         "objects": [_object(o, kind, case.model) for o in case.objects],
@@ -307,9 +317,30 @@ def contents(case: Case, kind: Kind, sampling: Sampling) -> dict[str, Any]:
     }
 
 
+@cache
+def _environment_digest(path: Path) -> str:
+    return _arrays_digest(load_environment(path).radiance)
+
+
+@cache
+def _mesh_digest(mesh: str) -> str:
+    made = load_mesh(mesh)
+    return _arrays_digest(made.vertices, made.normals, made.faces)
+
+
+def _arrays_digest(*arrays: np.ndarray) -> str:
+    """SHA-256 (hex) of arrays, their shapes and types, on any machine."""
+    found = hashlib.sha256()
+    for array in arrays:
+        little = np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
+        found.update(f"{little.dtype.str} {little.shape}\n".encode())
+        found.update(little.data)
+    return found.hexdigest()
+
+
 def _object(obj: Object, kind: Kind, model: Model) -> dict[str, Any]:
     return {
-        "mesh": obj.mesh if obj.mesh in PRIMITIVES else file_digest(Path(obj.mesh)),
+        "mesh": _mesh_digest(obj.mesh),
         "placement": obj.model_dump(include={"position", "rotate", "scale", "height"}),
         "material": _optics(obj.material, kind, model),
     }

@@ -3,9 +3,11 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 
 from reference import batches
 from reference import store as store_module
@@ -176,6 +178,52 @@ def test_the_digest_of_the_code_is_the_same_in_every_version_of_python():
         "class A(B):\n    x: int = 1\n\n    def f(self, *a, **k):\n        return f'{a!r:>{1}} b'\n"
     )
     assert code_digest(code).startswith("0a7f5396")
+
+
+MADE_OTHERWISE = {
+    "normals": ("load_mesh", "normals"),
+    "vertices": ("load_mesh", "vertices"),
+    "faces": ("load_mesh", "faces"),
+    "texels": ("load_environment", "radiance"),
+}
+
+
+@pytest.mark.parametrize(("loader", "array"), MADE_OTHERWISE.values(), ids=MADE_OTHERWISE)
+@pytest.mark.parametrize("mesh", ["sphere", "a file"])
+def test_arrays_that_a_library_makes_otherwise_are_other_inputs(
+    make_case, monkeypatch, tmp_path, loader, array, mesh
+):
+    if mesh == "a file":
+        mesh = str(tmp_path / "cone.ply")
+        trimesh.creation.cone(1, 2).export(mesh)
+    case = make_case(objects=(Object(name="a", mesh=mesh, material=metal()),))
+    true_load, before = getattr(store_module, loader), contents(case, "model", FEW)
+
+    def otherwise(path):
+        made = true_load(path)
+        changed = getattr(made, array).copy()
+        changed.flat[0] = changed.flat[0] + 1
+        return replace(made, **{array: changed})
+
+    def forget():
+        store_module._mesh_digest.cache_clear()
+        store_module._environment_digest.cache_clear()
+
+    forget()
+    assert contents(case, "model", FEW) == before
+    forget()
+    monkeypatch.setattr(store_module, loader, otherwise)
+    assert contents(case, "model", FEW) != before
+    forget()
+
+
+def test_arrays_are_digested_with_shape_and_type_whatever_their_layout():
+    array = np.arange(6, dtype=np.float32).reshape(2, 3)
+    plain = store_module._arrays_digest(array)
+    for same in (np.asfortranarray(array), array.astype(">f4"), np.repeat(array, 2, 1)[:, ::2]):
+        assert store_module._arrays_digest(same) == plain
+    for other in (array.reshape(3, 2), array.astype(np.float64), array.view(np.uint32)):
+        assert store_module._arrays_digest(other) != plain
 
 
 def test_another_version_of_the_path_tracer_is_another_maker(make_case, monkeypatch):
