@@ -1,4 +1,4 @@
-"""How long one sample per pixel takes, the unit in which frame times are quoted."""
+"""How long one sample per pixel takes, the unit in which frame times are quoted, and a pilot."""
 
 import statistics
 import time
@@ -28,3 +28,17 @@ def seconds_per_sample(case: Case) -> float:
         mi.render(scene, integrator=integrator, seed=seed, spp=1).numpy()
         times.append(time.perf_counter() - start)
     return statistics.median(times[2:])  # the first two compile and warm up
+
+
+def pilot_seconds(case: Case) -> float:
+    """Wall time of the pilot that a reference of the kind `model` starts with, warm."""
+    from reference.truths import stage
+
+    ready = stage(case, "model")
+    times = []
+    for _ in range(3):
+        ready.__dict__.pop("control", None)  # a cached property
+        start = time.perf_counter()
+        ready.control  # noqa: B018  read to make it
+        times.append(time.perf_counter() - start)
+    return min(times)

@@ -3,7 +3,7 @@
 from reference import probe as reference_probe
 from reference.batches import render_batch, truth_of
 from reference.settings import FEWEST_BATCHES, TRUTHS, rounded_samples
-from reference.timing import seconds_per_sample
+from reference.timing import pilot_seconds, seconds_per_sample
 from renderer import probe
 from renderer.draw import Renderer
 from renderer.features import technique
@@ -52,7 +52,7 @@ def efficiency(job: Job) -> list[Efficiency]:
             for truth in truths:
                 report.step(f"{case.id}: plain path tracing of {truth}")
                 plain[truth] = plain_batches(case, truth, taken, FEWEST_BATCHES)
-            found += efficiencies(case, frame, ours, plain)
+            found += efficiencies(case, frame, ours, plain, pilot_seconds(case))
     return found
 
 

@@ -147,10 +147,10 @@ def test_the_family_counts_every_budgeted_figure_at_every_look():
     suite, path = load_suite("tiny")
     entries = expand(suite, path)
     judged = len(entries[0].case.judged)
-    # paper: energy_error and energy_local; sampled: energy_error. 128 samples in batches of 16.
-    assert gate.family_size(suite.budget, entries, suite.reference) == 3 * judged
+    # Two techniques with energy_error, energy_local and ssim. 128 samples in batches of 16.
+    assert gate.family_size(suite.budget, entries, suite.reference) == 6 * judged
     longer = suite.reference.model_copy(update={"max_samples": 512})
-    assert gate.family_size(suite.budget, entries, longer) == 9 * judged
+    assert gate.family_size(suite.budget, entries, longer) == 18 * judged
 
 
 def test_the_interval_of_local_energy_is_the_root_of_its_squares():
