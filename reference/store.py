@@ -97,6 +97,11 @@ class Store:
         batches = own | blessed
         return [batches[number] for number in sorted(batches)]
 
+    def backgrounds(self, case: Case, kind: Kind, sampling: Sampling) -> list[Frame]:
+        """What no batch traces, of each folder that has batches; ids are 1 where pixels are."""
+        homes = [f for f in self.homes(case, kind, sampling) if _batches(f, case)]
+        return [load_frame(folder / "background.exr") for folder in homes]
+
     def save(
         self,
         case: Case,

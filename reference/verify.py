@@ -5,6 +5,9 @@ truth, object and channel, over the whole object (where a small bias shows) and 
 16x16 pixels (where a local one does), by Welch's (1947) t: pixels are independent, so the variance
 of a sum is the sum of the pixels' variances, each from the spread between batches. Half of the
 family's error is given to the objects, half to the blocks, and divided among them (Bonferroni).
+
+What has no noise must be equal bit for bit: the object that each pixel sees, which pixels are
+traced, and the light of those that are not.
 """
 
 from collections.abc import Callable, Iterable
@@ -63,8 +66,9 @@ class Check:
 
     Attributes:
         old, new: batches compared.
-        sigma, relative: the least likely difference, in standard errors and as a fraction.
-        where: the truth, object, channel and perhaps block that it is in.
+        sigma, relative: the least likely difference, in standard errors and as a fraction; NaN
+            where something without noise is not equal.
+        where: the truth, object, channel and perhaps block that it is in, or what is not equal.
         agrees: whether that could be chance, in this family of tests.
         visible: the smallest bias of an object's channel that would be seen with 95 % probability
             wherever it were, as a fraction.
@@ -100,21 +104,49 @@ def verify(
             continue
         if progress:
             progress(f"{case.id}: {kind}")
-        new = _fresh(case, kind, sampling, batches, executor or Serial())
-        found.append((case.id, kind, len(old), len(new), *compare(case, old, new)))
+        fresh = _fresh(case, kind, sampling, batches, executor or Serial())
+        new = [frame for frame, _ in fresh]
+        unequal = _unequal(old, store.backgrounds(case, kind, sampling), fresh)
+        found.append((case.id, kind, len(old), len(new), *compare(case, old, new), unequal))
     tests = [sum(len(f[place].p) for f in found) for place in (4, 5)]
-    return [_check(*f, *tests) for f in found]
+    return [_check(*f[:-1], *tests, f[-1]) for f in found]
 
 
 def _fresh(
     case: Case, kind: Kind, sampling: Sampling, count: int, executor: Executor
-) -> list[Frame]:
+) -> list[tuple[Frame, np.ndarray]]:
     tasks = [Task(case, kind, sampling, FRESH + n) for n in range(count)]
     futures = [executor.submit(trace_batch, task, task.identity) for task in tasks]
     try:
-        return [future.result()[0] for future in as_completed(futures)]
+        return [future.result() for future in as_completed(futures)]
     except Exception as error:
         raise explained(error) from error
+
+
+def _unequal(
+    old: list[Frame], backgrounds: list[Frame], fresh: list[tuple[Frame, np.ndarray]]
+) -> str:
+    """What differs of that which has no noise, and in how many pixels; "" if nothing does.
+
+    Args:
+        backgrounds: stored; their ids are 1 where pixels are traced.
+        fresh: batches, and where they were traced.
+    """
+    batch, traced = fresh[0]
+    frames = old + [frame for frame, _ in fresh]
+    lit = np.any([traced, *(b.ids > 0 for b in backgrounds)], axis=0)
+    differs = {
+        "ids": [f.ids != batch.ids for f in frames],
+        "traced pixels": [b.ids.astype(bool) != traced for b in backgrounds],
+        "background": [
+            ((picture != batch.rgb) & ~lit[..., None]).any(axis=2)
+            for picture in [f.rgb for f in frames] + [b.rgb for b in backgrounds]
+        ],
+    }
+    counts = {name: int(np.any(masks, axis=0).sum()) for name, masks in differs.items()}
+    return ", ".join(
+        f"{name} in {count} pixel{'s' * (count > 1)}" for name, count in counts.items() if count
+    )
 
 
 def compare(case: Case, old: list[Frame], new: list[Frame]) -> tuple[Regions, Regions]:
@@ -184,8 +216,9 @@ def _check(
     blocks: Regions,
     all_objects: int,
     all_blocks: int,
+    unequal: str = "",
 ) -> Check:
-    """Judge one reference as a member of a family of so many tests."""
+    """Judge one reference as a member of a family of so many tests; see `_unequal`."""
     worst: tuple[float, Regions, int] | None = None
     for regions, count in ((objects, all_objects), (blocks, all_blocks)):
         index = int(np.argmin(regions.p))
@@ -194,6 +227,7 @@ def _check(
             worst = adjusted, regions, index
     adjusted, regions, index = worst
     reach = stats.t.isf(FAMILY_ERROR / 4 / all_objects, objects.dof) + ONE_SIDED_95
+    relative = regions.difference[index] / (abs(regions.total[index]) or np.nan)
     whole = np.array([".diffuse" not in name for name in objects.names])
     bias = reach * objects.se / np.maximum(np.abs(objects.total), 1e-300)
     return Check(
@@ -201,9 +235,9 @@ def _check(
         kind=kind,
         old=old,
         new=new,
-        sigma=float(regions.sigma[index]),
-        relative=float(regions.difference[index] / (abs(regions.total[index]) or np.nan)),
-        where=regions.names[index],
-        agrees=adjusted > 1,
+        sigma=np.nan if unequal else float(regions.sigma[index]),
+        relative=np.nan if unequal else float(relative),
+        where=unequal or regions.names[index],
+        agrees=adjusted > 1 and not unequal,
         visible=float(bias[whole].max()),
     )

@@ -1,5 +1,6 @@
 """The commands `shadeproof refs`: tell, pack, unpack and verify references."""
 
+import math
 from pathlib import Path
 
 import typer
@@ -100,7 +101,7 @@ def _print_checks(checks: list[Check], console: Console) -> None:
             c.case,
             c.kind,
             f"{c.old} + {c.new}",
-            f"{c.sigma:+.1f} sigma, {c.relative:+.2%}",
+            "not equal" if math.isnan(c.sigma) else f"{c.sigma:+.1f} sigma, {c.relative:+.2%}",
             c.where,
             f"{c.visible:.2%}",
         )

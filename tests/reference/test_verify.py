@@ -126,3 +126,40 @@ def test_verify_holds_the_store_against_fresh_batches(scene, tmp_path):
     assert not check.agrees and (check.old, check.new) == (8, 4)
     assert verify([(scene, "physical", FEW)], sound) == []  # it is not stored
     assert len(sound.load(scene, "model", FEW)) == 8 < FRESH
+
+
+def off_by_one_id(frame, traced):
+    ids = frame.ids.copy()
+    ids[np.nonzero(ids == 1)[0][0], np.nonzero(ids == 1)[1][0]] = 2
+    return replace(frame, ids=ids), traced
+
+
+def off_by_an_ulp_behind(frame, traced):
+    rgb = frame.rgb.copy()
+    rgb[0, 0] = np.nextafter(rgb[0, 0], np.float32(9))
+    return replace(frame, rgb=rgb), traced
+
+
+def traced_elsewhere(frame, traced):
+    traced = traced.copy()
+    traced[0, 0] = True
+    return frame, traced
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (off_by_one_id, "ids in 1 pixel"),
+        (off_by_an_ulp_behind, "background in 1 pixel"),
+        (traced_elsewhere, "traced pixels in 1 pixel"),
+    ],
+)
+def test_what_has_no_noise_must_be_equal(scene, tmp_path, change, named):
+    store = Store(tmp_path / "store")
+    for number in range(8):
+        task = Task(scene, "model", FEW, number)
+        frame, traced = trace_batch(task, task.identity)
+        assert not traced[0, 0]
+        store.save(*task, *change(frame, traced))
+    (check,) = verify([(scene, "model", FEW)], store, batches=2)
+    assert not check.agrees and check.where == named and np.isnan(check.sigma)
