@@ -83,5 +83,6 @@ def pools(job: Job) -> list[Pool]:
             obj = case.judged[0]
             mask = frames[0].ids == case.index(obj.name)
             batches = np.stack([frame.rgb for frame in frames])
-            made.append(Pool(obj.material.name, batches, mask, coarse))
+            name = f"{obj.material.name}, {case.environment.name}"
+            made.append(Pool(name, batches, mask, coarse))
     return made
