@@ -17,11 +17,13 @@ import zipfile
 from collections.abc import Iterable
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from reference.batches import missing
 from reference.settings import FEWEST_BATCHES, Kind
-from reference.store import BLESSED, Store, contents, digest, read_head, sound
+from reference.store import BLESSED, Store, contents, digest, load_sound, read_head, sound
 from scenes.errors import InputError
 from scenes.frame import sha256, unwritable, written_aside
 from scenes.schema import Case
@@ -32,6 +34,32 @@ MANIFEST = "manifest.json"
 MEMBER = re.compile(r"[0-9a-f]{64}/(reference\.json|(background|batch-\d{3,9})\.(exr|json))")
 EPOCH = (1980, 1, 1, 0, 0, 0)  # the first time a zip can hold
 AGAIN = "fetch or make the pack again"
+Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
+
+
+class Packed(BaseModel):
+    """One reference of a pack; `inputs` names its folder."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    case: str
+    kind: Kind
+    inputs: Digest
+    maker: dict[str, str]
+    batches: int = Field(ge=FEWEST_BATCHES)
+    samples: int
+
+
+class Manifest(BaseModel):
+    """What a pack holds; `files` by the SHA-256 (hex) of each."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    version: Literal[1] = Field(alias="schema")
+    suite: str
+    date: str
+    references: list[Packed] = Field(min_length=1)
+    files: dict[str, Digest]
 
 
 def pack(
@@ -112,6 +140,8 @@ def _sources(
 def unpack(path: Path, store: Store, expected: str = "") -> dict[str, Any]:
     """Bless the references of a pack: put them in a store, all or none.
 
+    Each must be whole, with at least 8 batches, before it takes the place of an earlier one.
+
     Args:
         expected: SHA-256 (hex) that the file must have; any if empty.
 
@@ -135,10 +165,9 @@ def unpack(path: Path, store: Store, expected: str = "") -> dict[str, Any]:
             target = aside / name
             target.parent.mkdir(exist_ok=True)
             _copy(file, name, target, wanted)
-        for folder in aside.iterdir():
-            head = read_head(folder)
-            if head is None or digest(head["inputs"]) != folder.name:
-                raise ValueError(f"{folder.name}/reference.json names other inputs")
+        counts = {folder.name: _batches(folder) for folder in sorted(aside.iterdir())}
+        if counts != {r["inputs"]: r["batches"] for r in manifest["references"]}:
+            raise ValueError("its references are not those of the manifest")
         (store.folder / BLESSED).mkdir(exist_ok=True)
         for folder in sorted(aside.iterdir()):
             _settle(folder, store.folder / BLESSED / folder.name)
@@ -177,8 +206,12 @@ def _manifest(file: zipfile.ZipFile) -> dict[str, Any]:
     if MANIFEST not in infos:
         raise ValueError("it has no manifest")
     manifest = json.loads(file.read(MANIFEST))
-    if manifest["schema"] != SCHEMA:
-        raise ValueError(f"its schema is {manifest['schema']!r}, not {SCHEMA}")
+    try:
+        Manifest.model_validate(manifest)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in (MANIFEST, *first["loc"]))
+        raise ValueError(f"{place}: {first['msg'].lower()}") from error
     if len(infos) != len(file.infolist()) or set(infos) != {*manifest["files"], MANIFEST}:
         raise ValueError("its members are not those of the manifest")
     for name, info in infos.items():
@@ -197,6 +230,36 @@ def _copy(file: zipfile.ZipFile, name: str, target: Path, wanted: str) -> None:
             copy.write(block)
     if found.hexdigest() != wanted:
         raise ValueError(f"{name} is damaged")
+
+
+def _batches(folder: Path) -> int:
+    """How many batches an unpacked reference holds.
+
+    Raises:
+        ValueError: it is not whole, a number or a seed comes twice, or it has fewer than 8.
+    """
+    head = read_head(folder)
+    if head is None or digest(head["inputs"]) != folder.name:
+        raise ValueError(f"{folder.name}/reference.json names other inputs")
+    background = load_sound(folder / "background.exr")
+    if background is None:
+        raise ValueError(f"{folder.name}/background.exr is missing or not sound")
+    numbers, seeds = set(), set()
+    pictures = sorted({p.with_suffix(".exr") for p in folder.glob("batch-*")})
+    for path in pictures:
+        frame, name = load_sound(path), f"{folder.name}/{path.name}"
+        if frame is None or frame.rgb.shape != background.rgb.shape:
+            raise ValueError(f"{name} is not sound")
+        number, seed = frame.provenance["batch"], frame.provenance["seed"]
+        if path.stem != f"batch-{number:03}":
+            raise ValueError(f"{name} says that it is batch {number}")
+        if number in numbers or seed in seeds:
+            raise ValueError(f"{name} has the number or the seed of another batch")
+        numbers.add(number)
+        seeds.add(seed)
+    if len(pictures) < FEWEST_BATCHES:
+        raise ValueError(f"{folder.name} has {len(pictures)} batches, fewer than {FEWEST_BATCHES}")
+    return len(pictures)
 
 
 def _settle(folder: Path, target: Path) -> None:

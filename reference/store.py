@@ -217,7 +217,7 @@ def _finished(folder: Path) -> list[Path]:
 
 def sound(path: Path) -> bool:
     """Whether a picture is finished and as it was written."""
-    return _load(path) is not None
+    return load_sound(path) is not None
 
 
 def _unfinished(path: Path) -> bool:
@@ -227,13 +227,13 @@ def _unfinished(path: Path) -> bool:
 
 def _batches(folder: Path, case: Case) -> dict[int, Frame]:
     """The sound batches of a folder by number."""
-    background = _load(folder / "background.exr")
+    background = load_sound(folder / "background.exr")
     if background is None or background.rgb.shape[:2] != (case.height, case.width):
         return {}
     return {
         _number(path): _over(background, frame)
         for path in _finished(folder)
-        if (frame := _load(path)) is not None and frame.rgb.shape == background.rgb.shape
+        if (frame := load_sound(path)) is not None and frame.rgb.shape == background.rgb.shape
     }
 
 
@@ -242,7 +242,8 @@ def read_head(folder: Path) -> dict[str, Any] | None:
     try:
         head = json.loads((folder / "reference.json").read_text())
         complete = all(isinstance(head[name], str) for name in ("case", "kind"))
-        complete &= isinstance(head["maker"], dict) and "samples_per_batch" in head["inputs"]
+        complete &= all(isinstance(head[name], dict) for name in ("maker", "inputs"))
+        complete &= "samples_per_batch" in head["inputs"]
     except (OSError, ValueError, KeyError, TypeError):
         return None
     return head if complete else None
@@ -277,7 +278,7 @@ def _over(background: Frame, batch: Frame) -> Frame:
     return replace(batch, rgb=filled(batch.rgb), layers=layers)
 
 
-def _load(path: Path) -> Frame | None:
+def load_sound(path: Path) -> Frame | None:
     """A finished frame, or None: without its JSON (written last) a frame has no ids."""
     try:
         frame = load_frame(path)

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import zipfile
 
 import numpy as np
@@ -34,7 +35,7 @@ def fill(store, case, numbers):
     for number in numbers:
         rgb = np.random.default_rng(number).random((36, 48, 3), np.float32)
         rgb[~traced] = 0.5
-        frame = Frame(rgb, traced.astype(np.uint8), 1.0, {"samples": 4, "batch": number})
+        frame = Frame(rgb, traced.astype(np.uint8), 1.0, {"samples": 4, "seed": number})
         store.save(case, "model", FEW, number, frame, traced)
 
 
@@ -151,7 +152,59 @@ def batch_of(members):
     return next(name for name in members if name.endswith("batch-002.exr"))
 
 
+def retold(**fields):
+    """A manifest of which some fields are changed."""
+
+    def change(members):
+        manifest = json.loads(members["manifest.json"]) | fields
+        members["manifest.json"] = json.dumps(manifest).encode()
+
+    return change
+
+
+def without(pattern):
+    """Members left out of the manifest too."""
+
+    def change(members):
+        manifest = json.loads(members["manifest.json"])
+        for name in [n for n in members if re.search(pattern, n)]:
+            del members[name], manifest["files"][name]
+        members["manifest.json"] = json.dumps(manifest).encode()
+
+    return change
+
+
+def told_of_a_batch(**fields):
+    """The provenance of batch 2 is changed, and the manifest knows."""
+
+    def change(members):
+        name = batch_of(members).replace(".exr", ".json")
+        record = json.loads(members[name])
+        record["provenance"] |= fields
+        declared(members, name, json.dumps(record).encode())
+
+    return change
+
+
+def only(text):
+    return lambda members: (members.clear(), members.__setitem__("manifest.json", text))
+
+
 DAMAGE = {
+    "files in a list": only(b'{"schema": 1, "files": []}'),
+    "no files": only(b'{"schema": 1, "files": {}}'),
+    "a manifest that is a list": only(b"[]"),
+    "a field too many": retold(more=1),
+    "no references": retold(references=[]),
+    "no files but references": without("^[0-9a-f]"),
+    "a head alone": without("batch|background"),
+    "no background": without("background"),
+    "half a background": without("background.json"),
+    "seven batches": without("batch-002"),
+    "half a batch": without("batch-002.exr"),
+    "a number twice": told_of_a_batch(batch=3),
+    "a seed twice": told_of_a_batch(seed=3),
+    "no seed": told_of_a_batch(seed=None, batch=None),
     "a changed byte": lambda m: m.__setitem__(batch_of(m), m[batch_of(m)][:-1] + b"?"),
     "a lost member": lambda m: m.pop(batch_of(m)),
     "a member too many": lambda m: m.__setitem__("more", b""),
@@ -178,6 +231,9 @@ def test_a_damaged_or_forged_pack_is_refused_whole(stored, tmp_path, refused, ch
     refused(lambda: unpack(bad, away), "bad.refs", "is no sound pack", "again")
     assert not away.folder.exists()
     assert not (tmp_path / "evil").exists()
+    unpack(tmp_path / "a.refs", away)
+    refused(lambda: unpack(bad, away), "is no sound pack")
+    assert len(away.load(stored[0], "model", FEW)) == 8 and not away.damaged()
 
 
 def test_an_unchanged_copy_of_the_members_is_taken(stored, tmp_path):
