@@ -6,10 +6,12 @@ import sys
 import numpy as np
 import pytest
 
+from reports.compare import Truth, exposures_of
 from reports.results import Results, load_results
+from reports.rows import judged_rows
 from scenes.environment import read_pixels
-from scenes.frame import Frame, save_frame
-from scenes.suite import HERE
+from scenes.frame import Frame, load_frame, save_frame
+from scenes.suite import HERE, expand, load_suite
 
 CASE = "contact.studio"
 
@@ -337,3 +339,22 @@ object = "floor"
 energy_error = {energy}
 reason = "a test"
 """
+
+
+@pytest.mark.parametrize("wrong", ["black", "bright", "mirrored"])
+def test_no_budget_of_the_tiny_suite_lets_a_wrong_picture_pass(tiny, wrong):
+    """Held against the means of the references that the run left."""
+    suite, path = load_suite("tiny")
+    case = expand(suite, path)[0].case
+    halves = load_results(tiny / "results.json").cases[0].truths["unoccluded"]
+    frames = [load_frame(tiny / half) for half in halves]
+    truth = Truth(case, "unoccluded", frames * 4, exposures_of(case, frames))
+    mean = np.mean([f.rgb for f in frames], axis=0)
+    noise = np.random.default_rng(1).uniform(1e-5, 1e-4, mean.shape)
+    rgb = {"black": noise, "bright": 1.9 * mean, "mirrored": mean[:, ::-1]}[wrong]
+    made = {t: Frame(rgb.astype(np.float32), frames[0].ids) for t in suite.techniques}
+    rows = judged_rows(case, truth, made, {}, suite.budget)
+    failed = {(r.technique, r.object) for r in rows if r.verdict == "fail"}
+    # A mirrored floor is much like the floor, and `sampled` is far off there as it is.
+    spared = {("sampled", "floor")} if wrong == "mirrored" else set()
+    assert failed >= {(r.technique, r.object) for r in rows} - spared
