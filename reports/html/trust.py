@@ -28,6 +28,7 @@ def facts(results: Results) -> list[Fact]:
         _parity(results),
         Fact("Reference noise, 95 %, in the median and worst row", _noise(results)),
         _rows(results),
+        *_references(results),
         Fact("Device", str(results.provenance.get("device", NONE))),
         Fact("Versions", _versions(results)),
     ]
@@ -92,6 +93,20 @@ def _rows(results: Results) -> Fact:
         f"missing: {m.case}, {m.object}, {m.technique} vs {m.truth}" for m in results.missing
     )
     return Fact("Rows", text, doubt, (*missing, *(f"skipped: {s}" for s in results.skipped)))
+
+
+def _references(results: Results) -> list[Fact]:
+    """Whose references these are; nothing where the run does not tell."""
+    if not (makers := results.provenance.get("references")):
+        return []
+    others = [m for m in makers if not m["ours"]]
+    text = "made by other code: blessed" if others else "made by this code"
+    told = (
+        f"{'this' if m['ours'] else 'other'}: code {m['code']}, Mitsuba {m['mitsuba']}, "
+        f"Dr.Jit {m['drjit']}"
+        for m in sorted(makers, key=lambda m: m["ours"])
+    )
+    return [Fact("References", text, bool(others), tuple(told))]
 
 
 def _versions(results: Results) -> str:

@@ -16,6 +16,7 @@ from reports.progress import Reporter
 from reports.results import CaseRecord, Ladder, Row
 from reports.rows import judged_rows, measured_further
 from reports.run.job import Job, Source, sources
+from reports.run.makers import Makers
 from scenes.errors import InputError
 from scenes.frame import Frame, save_frame
 from scenes.schema import Case
@@ -23,7 +24,7 @@ from scenes.suite import Entry
 
 
 def run_entry(
-    job: Job, entry: Entry, report: Reporter, checks: parity.Checks
+    job: Job, entry: Entry, report: Reporter, checks: parity.Checks, makers: Makers
 ) -> tuple[CaseRecord, list[Row], list[Ladder]]:
     """One case: all its candidates, then reference by reference, then the causes of error."""
     case = entry.case
@@ -63,6 +64,7 @@ def run_entry(
         )
         if source.judged and (not judged or judged[0].reference_batches != len(batches)):
             enough(batches)  # at the cap `grow` does not ask
+        makers.add(batches)
         rows += judged
         for name, own in source.truths.items():
             truths[name] = [truth_of(b, own) for b in batches]

@@ -17,6 +17,7 @@ from reports.progress import reporting
 from reports.results import CaseRecord, Ladder, Results, Row
 from reports.run.case import run_entry
 from reports.run.job import Job, make_folder, sources
+from reports.run.makers import Makers
 from reports.run.measures import beside_oracle
 from reports.run.tracing import trace_ahead
 
@@ -43,11 +44,11 @@ def run(job: Job) -> Results:
     rows: list[Row] = []
     cases: list[CaseRecord] = []
     ladders: list[Ladder] = []
-    checks = parity.Checks()
+    checks, makers = parity.Checks(), Makers()
     steps = sum(len(job.candidates(e)) + len(sources(e)) for e in job.entries)
     with reporting(steps) as report:
         for entry in job.entries:
-            record, made, causes = run_entry(job, entry, report, checks)
+            record, made, causes = run_entry(job, entry, report, checks, makers)
             cases.append(record)
             rows += made
             ladders += causes
@@ -61,7 +62,7 @@ def run(job: Job) -> Results:
         command=job.command,
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         seconds=time.perf_counter() - start,
-        provenance=_provenance() | {"parity": checks.verdicts()},
+        provenance=_provenance() | {"parity": checks.verdicts(), "references": makers.told()},
         allow_inconclusive=job.suite.allow_inconclusive,
         expected_rows=len(job.expected(job.whole)),
         missing=gate.missing_rows(job.expected(job.entries), rows),

@@ -17,6 +17,7 @@ from reports.html.figures import METRICS, percent
 from reports.html.images import MAPS
 from reports.html.matrix import cell, matrices
 from reports.html.png import colour_map, picture
+from reports.html.trust import facts
 from reports.results import CaseRecord, Missing, Results, Row
 from scenes.frame import Frame, save_frame
 from scenes.suite import Budget
@@ -320,6 +321,19 @@ def test_trust_shows_parity_that_fails(folder):
     text = Page(written(results([row()]), folder)).text["dl"]
     assert "1 of 2 checks pass; background does not" in text
     assert "FAILS: background, off by 3 %" in text and "llvmpipe" in text
+
+
+@pytest.mark.parametrize("ours", [True, False])
+def test_trust_shows_references_that_other_code_made(folder, ours):
+    mine = {"code": "0a7f5396beef", "mitsuba": "3.6.0", "drjit": "1.0.0", "ours": True}
+    other = mine | {"code": "1b7f5396beef", "ours": ours}
+    run = results([row()])
+    run.provenance["references"] = [mine, other]
+    (fact,) = [f for f in facts(run) if f.term == "References"]
+    assert fact.doubt == (not ours)
+    assert ("made by other code: blessed" in fact.text) == (not ours)
+    assert ours or fact.detail[0] == "other: code 1b7f5396beef, Mitsuba 3.6.0, Dr.Jit 1.0.0"
+    assert fact.text in Page(written(run, folder)).text["dl"]
 
 
 def test_an_object_off_screen_costs_nothing_else(folder):
