@@ -21,7 +21,7 @@ class Cell:
         undecided: noise hides whether the figure is within the budget.
         label: all of it in words, for a tooltip and a screen reader.
         place: of which case the figure is, where there are several.
-        nearest: the figure that is closest to its budget, if that is another one.
+        nearest: the figure that is closest to its budget, and that, if it is another one.
     """
 
     text: str
@@ -115,15 +115,15 @@ def _worst_cell(
     shown = cell(metric, largest)
     if len(here) == 1:
         return shown
-    words = [shown.label, f"the largest error of {len(here)} places"]
+    words = [shown.label, f"the largest error of {len(here)} places, {_place(largest, here)}"]
     judged = [r for r in ranked if metric.name in r.budget and not math.isnan(metric.value(r))]
     nearest = min(judged, key=lambda r: r.margins[metric.name], default=largest)
     told, state, undecided = "", shown.state, shown.undecided
     if nearest is not largest and not math.isnan(metric.value(largest)):
         other, limit = cell(metric, nearest), metric.bare(nearest.budget[metric.name])
-        told = f"closest to its budget: {other.text} of {limit}, {_place(nearest, here)}"
+        told = f"{other.text} of {limit}"
         state, undecided = other.state, other.undecided
-        words.append(told)
+        words.append(f"closest to its budget: {told}, {_place(nearest, here)}")
     return replace(
         shown,
         state=state,

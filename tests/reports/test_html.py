@@ -292,7 +292,7 @@ def test_matrix_shows_the_largest_error_and_what_is_closest_to_its_budget(folder
     near = row(energy_local=0.19, energy_local_ci95=(0.185, 0.195))
     far = eased(energy_local=0.5, energy_local_ci95=(0.49, 0.51))
     found = local_matrix([near, far])
-    told = "closest to its budget: 19.0\u202f% of 20\u202f%, spheres.dusk"
+    told = "19.0\u202f% of 20\u202f%"
     assert (found.text, found.limit) == ("50.0\u202f%", "≤\u202f80\u202f%")
     assert (found.place, found.nearest) == ("spheres.noon", told)
     assert found.href == "#row--spheres.noon--left--paper--global" and told in found.label
