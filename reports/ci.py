@@ -6,7 +6,7 @@ from pathlib import Path
 
 from junitparser import Error, Failure, JUnitXml, Skipped, TestCase, TestSuite
 
-from reports.gate import worst_first
+from reports.gate import headline, worst_first
 from reports.results import Results, Row
 from reports.terminal import describe, skips
 from scenes.frame import write_text
@@ -49,7 +49,7 @@ def write_junit(results: Results, path: Path) -> None:
 
 def markdown(results: Results) -> str:
     """The summary: verdict, reasons and the worst rows."""
-    heading = ", ".join([f"{results.suite} {results.verdict.upper()}", *skips(results)])
+    heading = ", ".join([f"{results.suite} {headline(results).upper()}", *skips(results)])
     lines = [f"## shadeproof: {heading}", ""]
     if results.reasons:
         lines += [*(f"- {reason}" for reason in results.reasons), ""]

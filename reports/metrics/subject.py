@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from reports.noise import grouped
 
-GROUPS = 8  # of batches, for the noise of every figure: more would cost time and tell little
+GROUPS = 8  # of batches, for the noise of every figure but energy, where every batch is cheap
 MARGIN = 8  # pixels around the object; SSIM's window reaches 5
 
 
