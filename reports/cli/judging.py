@@ -1,0 +1,84 @@
+"""Commands that hold candidates against the truth, and show what they found."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from reports.cli.app import app, console
+from reports.cli.options import EVERY, OUT, JsonOption, OutOption, takes_job
+
+
+@app.command()
+@takes_job(*EVERY)
+def compare(
+    job,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would be done, do nothing.")
+    ] = False,
+    list_cases: Annotated[
+        bool, typer.Option("--list", help="Print the names of the cases.")
+    ] = False,
+    json: JsonOption = False,
+) -> None:
+    """Draw a suite with both renderers and report how far apart they are."""
+    from reports.run.tracing import plan
+
+    if list_cases or dry_run:
+        for line in [e.case.id for e in job.entries] if list_cases else plan(job):
+            typer.echo(line)
+        return
+    _compare(job, json)
+
+
+@app.command()
+@takes_job(*EVERY, brief=True)
+def gate(job, json: JsonOption = False) -> None:
+    """Compare, and exit with 1 unless every row meets its budget.
+
+    What meets its budget is measured no further than that takes.
+    """
+    from reports.gate import headline
+
+    results = _compare(job, json)
+    if headline(results) == "reported" and not json:
+        console.print("[red bold]FAIL[/]: a gate needs a row with a budget")
+    raise typer.Exit(0 if results.verdict == "pass" else 1)
+
+
+@app.command()
+def report(out: OutOption = OUT) -> None:
+    """Write report.html again from the results in a folder."""
+    from reports.results import load_results
+
+    console.print(f"report: {_page(load_results(out / 'results.json'), out)}", soft_wrap=True)
+
+
+def _compare(job, json: bool):
+    """Run a job, write everything that it gives, and say the verdict."""
+    from reports.ci import annotate, write_junit
+    from reports.results import save_results
+    from reports.run.suite import run
+    from reports.terminal import print_results
+
+    results = run(job)
+    page = _page(results, job.out)
+    write_junit(results, job.out / "junit.xml")
+    annotate(results, job.out / "summary.md")
+    save_results(results, job.out / "results.json")
+    if json:
+        typer.echo(results.model_dump_json(indent=1))
+    else:
+        print_results(results, console)
+        console.print(f"report: {page.resolve()}", soft_wrap=True)
+    return results
+
+
+def _page(results, out: Path) -> Path:
+    """Write the report, which takes some seconds."""
+    from reports.html import write_report
+    from reports.progress import reporting
+
+    with reporting(1) as progress:
+        progress.step("report")
+        return write_report(results, out)

@@ -1,0 +1,73 @@
+"""Commands that measure the instruments: speed, intervals, shaders and the paper's claim."""
+
+from functools import partial
+from typing import Annotated
+
+import typer
+
+from reports.cli.app import app, console
+from reports.cli.options import takes_job
+
+
+@app.command()
+@takes_job("suite", "store", "filter", suite="bench")
+def bench(job) -> None:
+    """Time every technique of a suite beside one path-traced sample per pixel."""
+    from reports.run.measures import bench as measure
+    from reports.speed import print_timings
+
+    print_timings(measure(job), console)
+
+
+@app.command()
+@takes_job("store", "filter", suite="calibration")
+def calibrate(
+    job,
+    resamplings: Annotated[int, typer.Option(min=1, help="How often to draw 8 batches.")] = 100,
+) -> None:
+    """Measure whether the intervals hold, on a stored pool of batches; see docs/noise.md."""
+    from reports.calibration import print_tables, resample
+    from reports.progress import reporting
+    from reports.run.tracing import pools as make
+
+    records, pools = [], make(job)
+    with reporting(resamplings * len(pools)) as progress:
+        for pool in pools:
+            records += resample(pool, resamplings, partial(progress.step, pool.name))
+    print_tables(records, pools, console)
+
+
+@app.command()
+@takes_job("suite", "store", "filter")
+def efficiency(job) -> None:
+    """Time the references to an interval, beside the plain path tracer."""
+    from reports.efficiency import print_efficiencies
+    from reports.run.measures import efficiency as measure
+
+    print_efficiencies(measure(job), console)
+
+
+@app.command()
+def stability() -> None:
+    """Hold the shaders' BRDF against double precision and Mitsuba, direction by direction."""
+    from reports.run.measures import stability as measure
+
+    found = measure()
+    for a in found:
+        mark = "[green]ok[/]  " if a.passed else "[red]off[/] "
+        place = ", ".join(f"{x:.7g}" for x in (*a.wi, *a.wo))
+        console.print(
+            f"{mark} masking {a.masking} alpha {a.alpha:<5g} GGX share {a.weight:<5g} "
+            f"beside {a.beside:16} worst {a.worst:.1e} at wi, wo = {place}",
+            soft_wrap=True,
+        )
+    raise typer.Exit(0 if all(a.passed for a in found) else 1)
+
+
+@app.command()
+def furnace() -> None:
+    """Test the paper's claim that its mixture keeps energy, with both maskings."""
+    from reports.furnace import energy_claim
+    from reports.terminal import print_energy_claim
+
+    print_energy_claim(energy_claim(), console)

@@ -1,0 +1,91 @@
+"""The options that commands share, and the job that they describe."""
+
+import inspect
+import shlex
+import sys
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+SuiteOption = Annotated[
+    str, typer.Option("--suite", help="A suite's name, or the path of its .toml.")
+]
+OutOption = Annotated[Path, typer.Option("--out", help="Where results, frames and the report go.")]
+StoreOption = Annotated[Path, typer.Option("--store", help="Where references are kept.")]
+FilterOption = Annotated[
+    str, typer.Option("--filter", help="Only cases whose name holds or matches this.")
+]
+CandidateOption = Annotated[
+    str,
+    typer.Option(help="Judge this instead: a folder of EXRs, or a command with {case} and {out}."),
+]
+TimeoutOption = Annotated[
+    float, typer.Option(min=0.1, help="Seconds that a candidate command may take.")
+]
+FrozenOption = Annotated[
+    bool,
+    typer.Option("--frozen", help="Path-trace nothing; exit with 2 if a reference is missing."),
+]
+ClusterOption = Annotated[
+    str | None,
+    typer.Option(help="Path-trace on the workers of this Dask scheduler, tcp://host:port."),
+]
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Print the results as JSON, nothing else.")
+]
+OUT, STORE = Path("reports/out"), Path("reports/references")
+EVERY = ("suite", "out", "store", "filter", "candidate", "timeout", "frozen", "cluster")
+
+
+def make_job(
+    suite: SuiteOption = "default",
+    out: OutOption = OUT,
+    store: StoreOption = STORE,
+    filter: FilterOption = "",
+    candidate: CandidateOption = "",
+    timeout: TimeoutOption = 600,
+    frozen: FrozenOption = False,
+    cluster: ClusterOption = None,
+    brief: bool = False,
+):
+    """The job that options describe.
+
+    Raises:
+        InputError: they describe none.
+    """
+    from reports.candidates import outside_candidate
+    from reports.run.job import Job
+
+    outside = outside_candidate(candidate, timeout) if candidate else None
+    command = shlex.join(["shadeproof", *sys.argv[1:]])
+    return Job(suite, out, store, filter, outside, command, frozen, cluster, brief)
+
+
+def takes_job(*names: str, **values: Any) -> Callable[[Callable], Callable]:
+    """Make a command of a function whose first parameter is the job that options describe.
+
+    Args:
+        names: the parameters of `make_job` that the command has as options.
+        values: other values for its parameters; of an option, its default.
+    """
+
+    def wrap(command: Callable) -> Callable:
+        known = inspect.signature(make_job).parameters
+        shown = [known[n].replace(default=values.get(n, known[n].default)) for n in names]
+        _, *own = inspect.signature(command).parameters.values()
+
+        @wraps(command)
+        def call(**given: Any) -> Any:
+            job = make_job(**values | {name: given.pop(name) for name in names})
+            return command(job, **given)
+
+        # By keyword, so that an option without a default may follow one that has it.
+        options = [p.replace(kind=p.KEYWORD_ONLY) for p in (*shown, *own)]
+        call.__signature__ = inspect.Signature(options)
+        call.__annotations__ = {p.name: p.annotation for p in options}
+        return call
+
+    return wrap
