@@ -1,0 +1,179 @@
+"""bench.json: what each way to draw a case costs and how wrong it is, documented and versioned."""
+
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field
+
+from reports.results import UNKNOWN, Figure, Figured, Record
+from scenes.errors import InputError
+from scenes.frame import write_text
+
+SCHEMA_VERSION = 1
+FIGURES = ("energy_local", "one_minus_ssim")  # the errors that are drawn over time
+Family = Literal["real-time", "path traced", "denoised"]
+Change = Literal["light", "material", "weight", "geometry"]
+
+
+class Timed(Record):
+    """Seconds of warm frames: the median, the quartiles beside it, and how many there were."""
+
+    median: Figure
+    low: Figure
+    high: Figure
+    frames: int
+
+
+class Error(Record):
+    """How wrong one object is against `global`.
+
+    For a path tracer `low` and `high` hold the spread of its own noise too, from picture to
+    picture.
+    """
+
+    object: str
+    material: str
+    roughness: float
+    weight: float
+    energy_error: Figured
+    energy_local: Figured
+    one_minus_ssim: Figured
+
+
+class Point(Record):
+    """One way to draw a case: a technique, or a path tracer at some samples per pixel.
+
+    Attributes:
+        family, name: such as "real-time" and "sampled@16", or "denoised" and "Mitsuba 4 + OIDN".
+        samples: per pixel: directions of a technique that samples, paths of a path tracer.
+        frame: warm wall clock until the frame is finished, serially, without read-back for a
+            technique and with the picture in memory for a path tracer, as each is used.
+        gpu: the GPU's own clock for the same frames, where it has one.
+        compilation: seconds of shader or kernel compilation, paid once by a program.
+        precomputation: seconds for what is made once per environment (or surface).
+        preparation: seconds for geometry, targets and uniforms, or a scene and its BVH.
+        after: seconds until the next finished frame once a thing has changed.
+        memory: bytes that the process grows by at its peak, precomputation included.
+        held: bytes of buffers, textures and targets that stay; unknown for a path tracer.
+    """
+
+    case: str
+    environment: str
+    width: int
+    height: int
+    family: Family
+    name: str
+    samples: int = 0
+    frame: Timed
+    gpu: Timed | None = None
+    compilation: Figure = 0.0
+    precomputation: Figure = 0.0
+    preparation: Figure = 0.0
+    after: dict[Change, Figure] = Field(default_factory=dict)
+    memory: Figure = UNKNOWN
+    held: Figure = UNKNOWN
+    errors: list[Error] = Field(default_factory=list)
+
+    def seconds_over(self, frames: int) -> float:
+        """Seconds a frame where everything is made once for so many frames."""
+        once = self.compilation + self.precomputation + self.preparation
+        return self.frame.median + once / frames
+
+
+class EqualError(Record):
+    """What a path tracer needs to be as good as a technique.
+
+    `samples` and `seconds` may be null: `beyond` then says why, "below" one sample (it is better
+    at once) or "above" what was measured or can be reached (a denoiser has an error of its own).
+    `ratio` is `seconds` over the technique's frame time: above 1 the technique is faster.
+    """
+
+    case: str
+    object: str
+    technique: str
+    against: Family
+    figure: str
+    samples: Figured
+    seconds: Figured
+    ratio: Figured
+    beyond: Literal["", "below", "above"] = ""
+
+
+class Growth(Record):
+    """How a cost grows: `exponent` is the slope of log cost over log size, with its interval.
+
+    `base` is a cost that does not grow, taken off before the fit; 0 where none was found.
+    """
+
+    over: Literal["pixels", "triangles", "materials", "samples", "environment"]
+    technique: str
+    cost: Literal["frame", "precomputation", "memory"]
+    sizes: list[float]
+    values: list[Figure]
+    exponent: Figured
+    base: Figure = 0.0
+
+
+class LeftOut(Record):
+    """One thing that a case does without, and the proof.
+
+    `exact`: with it on the frame is the same, within `difference` (relMSE); else it is an
+    approximation, and the truth moves by `difference` where its interval is `interval`.
+    """
+
+    case: str
+    what: str
+    why: str
+    exact: bool
+    difference: Figure
+    interval: Figure = UNKNOWN
+    saved_seconds: Figure = UNKNOWN
+
+
+class LobeSampling(Record):
+    """Directions until the specular lobe of one mixture is known within 1 %, by how it samples."""
+
+    roughness: float
+    weight: float
+    cos_theta: float
+    sampler: str
+    samples: Figured
+
+
+class Bench(Record):
+    """One run of `shadeproof bench`."""
+
+    schema_version: Literal[1] = SCHEMA_VERSION
+    suite: str
+    suite_path: str
+    command: str
+    created: str
+    seconds: Figure
+    provenance: dict[str, Any]
+    points: list[Point]
+    equal: list[EqualError] = Field(default_factory=list)
+    growths: list[Growth] = Field(default_factory=list)
+    left_out: list[LeftOut] = Field(default_factory=list)
+    lobes: list[LobeSampling] = Field(default_factory=list)
+    skipped: list[str] = Field(default_factory=list)
+
+
+def save_bench(bench: Bench, path: Path) -> None:
+    """Write bench.json whole or not at all."""
+    write_text(path, bench.model_dump_json(indent=1) + "\n")
+
+
+def load_bench(path: Path) -> Bench:
+    """Read a bench.json.
+
+    Raises:
+        InputError: it is missing, damaged, or of another schema version.
+    """
+    try:
+        return Bench.model_validate_json(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(path, "", "cannot be read", "run `shadeproof bench` first") from error
+    except ValueError as error:
+        first = str(error).splitlines()[0]
+        problem = f"is no bench.json of schema {SCHEMA_VERSION} ({first})"
+        raise InputError(path, "", problem, "run `shadeproof bench` again") from error
