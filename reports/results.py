@@ -3,11 +3,20 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    ValidationError,
+    WithJsonSchema,
+)
 
 from scenes.errors import InputError
 from scenes.frame import write_text
 from scenes.suite import Budget
+from scenes.words import first_mistake
 
 SCHEMA_VERSION = 2
 Verdict = Literal["pass", "fail", "inconclusive", "reported"]
@@ -218,10 +227,8 @@ def load_results(path: Path) -> Results:
     except OSError as error:
         raise InputError(path, "", "cannot be read", "run `shadeproof compare` first") from error
     except ValueError as error:
-        first = str(error).splitlines()[0]
-        raise InputError(
-            path,
-            "",
-            f"is no results.json of schema {SCHEMA_VERSION} ({first})",
-            "run `shadeproof compare` again",
-        ) from error
+        told = [str(error)]  # it is no text
+        if isinstance(error, ValidationError):
+            told = first_mistake(error)[:2]
+        problem = f"is no results.json of schema {SCHEMA_VERSION} ({' '.join(told).strip()})"
+        raise InputError(path, "", problem, "run `shadeproof compare` again") from error

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from scenes.errors import InputError
+from scenes.words import first_mistake
 
 Record = TypeVar("Record", bound=BaseModel)
 
@@ -77,25 +78,7 @@ def parse(
     try:
         return kind.model_validate(fields)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        # The names of a union's members stand in `loc` too; no field is called so.
-        parts = [str(p) for p in first["loc"] if isinstance(p, int) or p.isidentifier()]
-        field = ".".join(p for p in parts if p != "str") or kind.__name__.lower()
-        problem, remedy = _in_words(first, kind)
+        field, problem, remedy = first_mistake(error, kind)
+        field = field or kind.__name__.lower()
         place = f"{field} (as changed by {user.name}: {at})" if user else field
         raise InputError(path, place, problem, remedy) from error
-
-
-def _in_words(mistake: Any, kind: type[BaseModel]) -> tuple[str, str]:
-    """What is wrong and what would be right; our own checks say both, parted by '; '."""
-    if mistake["type"] == "extra_forbidden":
-        if len(mistake["loc"]) > 1:
-            return "unknown field", "scenes/FORMAT.md lists the fields"
-        return "unknown field", f"use one of {', '.join(sorted(kind.model_fields))}"
-    if mistake["type"] == "missing":
-        return "is missing", "add it; scenes/FORMAT.md lists the fields"
-    message = mistake["msg"].removeprefix("Value error, ")
-    if mistake["type"] == "value_error":
-        problem, _, remedy = message.partition("; ")
-        return problem, remedy or "see scenes/FORMAT.md"
-    return f"{reprlib.repr(mistake['input'])} does not fit", message[0].lower() + message[1:]

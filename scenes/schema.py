@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from scenes.optics import load_constants
+from scenes.words import show
 
 # Strict: neither true nor "0.2" is a number; integers are.
 Unit = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False, strict=True)]
@@ -65,6 +66,8 @@ def _named_optics(value: Any, metal: bool) -> Any:
         # A lossless dielectric: F0 = ((eta - 1) / (eta + 1))^2 solved for eta.
         eta = tuple((1 + math.sqrt(f)) / (1 - math.sqrt(f)) for f in optics.f0)
         return optics.model_copy(update={"eta": eta, "k": (0.0, 0.0, 0.0)})
+    if not isinstance(value, Optics | dict):
+        raise ValueError(f"{show(value)} is no reflectance; give a name, a number or [r, g, b]")
     return value
 
 
@@ -81,7 +84,7 @@ def _ggx_share(value: Any) -> Any:
     if len(value) != 2:
         raise ValueError(f"{len(value)} weights for two lobes; give [ggx, beckmann]")
     if not all(type(w) in (int, float, np.float64) and 0 <= w <= 1 for w in value):
-        raise ValueError(f"weights {value} leave [0, 1]; give each from 0 to 1")
+        raise ValueError(f"weights {show(value)} leave [0, 1]; give each from 0 to 1")
     if not math.isclose(sum(value), 1, abs_tol=1e-6):
         raise ValueError(f"the weights sum to {sum(value):.6g}; make them sum to 1")
     return value[0]

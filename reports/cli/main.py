@@ -6,10 +6,13 @@ import sys
 import traceback
 from typing import NoReturn
 
+import typer
+from pydantic import ValidationError
 from rich.console import Console
 
 from reports.cli.app import app
 from scenes.errors import InputError
+from scenes.words import first_mistake
 
 
 def main() -> None:
@@ -24,9 +27,15 @@ def main() -> None:
     signal.signal(signal.SIGINT, stop)
     signal.signal(signal.SIGTERM, stop)  # CI's cancel ends like Ctrl-C
     try:
-        app()
+        code = app(
+            prog_name="shadeproof", standalone_mode=False
+        )  # which raises what the parser refuses
     except InputError as error:
         _fail(str(error))
+    except typer.TyperException as error:
+        if error.format_message():
+            _fail(str(_refused(error)))
+        sys.exit(2)  # a group without a command: its help is told
     except OSError as error:
         _fail(f"{error.filename or 'output'}: {error.strerror}")
     except Exception as error:
@@ -38,6 +47,24 @@ def main() -> None:
         if asked:
             _interrupted()
         raise
+    if asked:
+        _interrupted()
+    sys.exit(code)
+
+
+def _refused(error: typer.TyperException) -> InputError:
+    """What the parser of options refuses, as every user's mistake is told."""
+    context, parameter = getattr(error, "ctx", None), getattr(error, "param", None)
+    command = context.command_path if context else "shadeproof"
+    remedy = f"see `{command} --help`"
+    if parameter is None:
+        problem = error.format_message().rstrip(".")
+        return InputError(command, "", problem[:1].lower() + problem[1:], remedy)
+    where = max(parameter.opts, key=len)
+    if isinstance(error.__cause__, ValidationError):
+        _, problem, remedy = first_mistake(error.__cause__)
+        return InputError(where, "", problem, remedy)
+    return InputError(where, "", error.message or "is missing", remedy)
 
 
 def _fail(text: str) -> NoReturn:

@@ -280,6 +280,15 @@ def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limi
         (("refs", "list", "--store", "/no/such/folder"), "no such folder"),
         (("report", "--out", "/no/such/folder"), "results.json"),
         (("compare", "--suite", "tiny", "--out", "/proc/nothing"), "cannot be written"),
+        (("refs", "list", "--timeout", "3"), "shadeproof refs list: no such option: --timeout"),
+        (("compare", "--suit", "tiny"), "see `shadeproof compare --help`"),
+        (("compare", "--timeout", "0"), "error: --timeout: '0' does not fit; give a number from"),
+        (("compare", "--timeout", "long"), "error: --timeout: 'long' does not fit; give a number"),
+        (("references", "--samples", "2.5"), "--samples: '2.5' does not fit; give a whole number"),
+        (("refs", "pack"), "error: --out: is missing; see `shadeproof refs pack --help`"),
+        (("refs", "unpack"), "error: file: is missing; see `shadeproof refs unpack --help`"),
+        (("compre",), "Did you mean 'compare'?; see `shadeproof --help`"),
+        (("report", "--out"), "option '--out' requires an argument; see `shadeproof --help`"),
     ],
 )
 def test_a_users_error_is_one_line_and_exit_code_2(shadeproof, words, says):
@@ -290,6 +299,22 @@ def test_a_users_error_is_one_line_and_exit_code_2(shadeproof, words, says):
     assert last[0].startswith("error: ")
     assert says in last[0]
     assert "Traceback" not in out + err
+
+
+@pytest.mark.parametrize(("words", "code"), [(("--help",), 0), (("refs",), 2), (("refs", "-h"), 2)])
+def test_help_is_no_error(shadeproof, words, code):
+    told, out, err = shadeproof(*words)
+    assert told == code
+    assert ("Usage: shadeproof" in out) == (words[-1] != "-h")
+    assert ("error: " in err) == (words[-1] == "-h")
+
+
+def test_a_results_file_that_cannot_be_read_is_told_in_plain_words(shadeproof, tmp_path):
+    for text, told in (('{"x', "is not JSON"), ('{"schema_version": 1}', "schema_version 1 does")):
+        (tmp_path / "results.json").write_text(text)
+        code, _, err = shadeproof("report", "--out", tmp_path)
+        assert code == 2
+        assert f"is no results.json of schema 2 ({told}" in err
 
 
 def test_compare_tells_the_causes_of_every_objects_error(tiny):
