@@ -78,4 +78,7 @@ def explained(error: Exception) -> Exception:
     if type(error).__name__ == "KilledWorker":  # distributed is not imported without a cluster
         remedy = "see their logs, and what memory they have"
         return InputError("--cluster", "", "one batch lost every worker that tried it", remedy)
+    if isinstance(error, RuntimeError) and "deserialization of the task graph" in str(error):
+        remedy = "start it as the workers, from a .venv made for this version: make .venv/.stamp"
+        return InputError("--cluster", "", "the scheduler has not our code and packages", remedy)
     return error

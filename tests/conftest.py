@@ -1,13 +1,17 @@
-"""How the tests end, and how a user's mistake must read."""
+"""How the tests end, how a user's mistake must read, and a cluster of this one machine."""
 
+import json
 import os
+import subprocess
 import sys
+import time
 
 import pytest
 
 from scenes.errors import InputError
 
 STATUS = pytest.StashKey[int]()
+DASK, LOCAL = [sys.executable, "-m", "dask"], ["--host", "127.0.0.1", "--no-dashboard"]
 
 
 def pytest_sessionfinish(session, exitstatus):
@@ -42,3 +46,57 @@ def refused():
         return error
 
     return check
+
+
+@pytest.fixture(scope="session")
+def wait_for():
+    """Wait until something is ready."""
+
+    def wait(ready, seconds=60):
+        end = time.monotonic() + seconds
+        while not ready():
+            assert time.monotonic() < end
+            time.sleep(0.05)
+
+    return wait
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory, wait_for):
+    """The address of a real scheduler, with no workers yet."""
+    folder = tmp_path_factory.mktemp("scheduler")
+    with subprocess.Popen(
+        [*DASK, "scheduler", *LOCAL, "--port", "0", "--scheduler-file", "scheduler.json"],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        cwd=folder,
+        stderr=subprocess.DEVNULL,
+    ) as process:
+        wait_for((folder / "scheduler.json").is_file)
+        time.sleep(0.2)
+        yield json.loads((folder / "scheduler.json").read_text())["address"]
+        process.kill()
+
+
+@pytest.fixture
+def hire(scheduler, tmp_path):
+    """Start workers of the scheduler; they are killed when the test ends."""
+    hired = []
+
+    def start(count, *arguments, **environment):
+        command = [*DASK, "worker", scheduler, *LOCAL, "--nthreads", "1", "--no-nanny"]
+        command += ["--death-timeout", "30", *map(str, arguments)]  # none outlives its scheduler
+        search = {"PYTHONPATH": os.pathsep.join(sys.path)}
+        for _ in range(count):
+            process = subprocess.Popen(
+                command,
+                env=os.environ | search | environment,
+                cwd=tmp_path,
+                stderr=subprocess.DEVNULL,
+            )
+            hired.append(process)
+        return hired
+
+    yield start
+    for process in hired:
+        process.kill()
+        process.wait()

@@ -1,9 +1,6 @@
 """Batches traced elsewhere: in any order, on workers that may be lost."""
 
-import json
-import os
 import signal
-import subprocess
 import sys
 import time
 from concurrent.futures import CancelledError, Executor, Future
@@ -37,9 +34,6 @@ def slow(case, kind, samples, seed):
 def dask_setup(worker):
     batches.render_batch = slow
 """
-
-
-DASK, LOCAL = [sys.executable, "-m", "dask"], ["--host", "127.0.0.1", "--no-dashboard"]
 
 
 class Backwards(Executor):
@@ -150,8 +144,9 @@ def test_a_worker_that_would_make_another_picture_says_so(make_case, refused):
     [
         (CancelledError(), "the scheduler was lost"),
         (KilledWorker("trace_batch", None, 3), "every worker that tried it"),
+        (RuntimeError("Error during deserialization of the task graph."), "has not our code"),
     ],
-    ids=["scheduler", "workers"],
+    ids=["scheduler", "workers", "code"],
 )
 def test_the_loss_of_a_cluster_is_one_line(make_case, tmp_path, fake, refused, loss, told):
     class Lost(Executor):
@@ -175,28 +170,6 @@ def test_a_cluster_needs_its_package(monkeypatch, refused):
     refused(lambda: executor.connect("tcp://127.0.0.1:1"), "--cluster", ".[cluster]")
 
 
-@pytest.fixture(scope="module")
-def scheduler(tmp_path_factory):
-    """The address of a real scheduler, with no workers yet."""
-    folder = tmp_path_factory.mktemp("scheduler")
-    with subprocess.Popen(
-        [*DASK, "scheduler", *LOCAL, "--port", "0", "--scheduler-file", "scheduler.json"],
-        cwd=folder,
-        stderr=subprocess.DEVNULL,
-    ) as process:
-        wait_for((folder / "scheduler.json").is_file)
-        time.sleep(0.2)
-        yield json.loads((folder / "scheduler.json").read_text())["address"]
-        process.kill()
-
-
-def wait_for(ready, seconds=60):
-    end = time.monotonic() + seconds
-    while not ready():
-        assert time.monotonic() < end
-        time.sleep(0.05)
-
-
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "127.0.0.1:1"])
 def test_a_scheduler_that_does_not_answer_is_one_line(monkeypatch, refused, address):
     monkeypatch.setattr(executor, "PATIENCE", 1)
@@ -217,36 +190,23 @@ def test_a_scheduler_without_workers_is_one_line(scheduler, monkeypatch, refused
     refused(lambda: executor.connect(scheduler), "no workers", f"dask worker {scheduler}")
 
 
-def test_a_worker_killed_half_way_costs_only_its_batch(make_case, scheduler, tmp_path):
+def test_a_worker_killed_half_way_costs_only_its_batch(
+    make_case, scheduler, hire, wait_for, tmp_path
+):
     case = make_case(np.random.default_rng(8).uniform(0, 2, (32, 64, 3)))
     (tmp_path / "counting.py").write_text(COUNTING)
     begun = tmp_path / "begun"
-    command = [*DASK, "worker", scheduler, *LOCAL, "--nthreads", "1", "--no-nanny"]
-    command += ["--death-timeout", "30"]  # none outlives its scheduler
-    workers = [
-        subprocess.Popen(
-            [*command, "--preload", str(tmp_path / "counting.py")],
-            env=os.environ | {"BEGUN": str(begun), "PYTHONPATH": os.pathsep.join(sys.path)},
-            cwd=tmp_path,
-            stderr=subprocess.DEVNULL,
-        )
-        for _ in range(2)
-    ]
-    try:
-        pool = executor.connect(scheduler)
-        wait_for(lambda: len(pool._client.scheduler_info()["workers"]) == 2)
+    workers = hire(2, "--preload", tmp_path / "counting.py", BEGUN=str(begun))
+    pool = executor.connect(scheduler)
+    wait_for(lambda: len(pool._client.scheduler_info()["workers"]) == 2)
 
-        def kill_one(done, _):
-            if done == 4:
-                time.sleep(0.2)  # by then it is at its next
-                workers[0].send_signal(signal.SIGKILL)
+    def kill_one(done, _):
+        if done == 4:
+            time.sleep(0.2)  # by then it is at its next
+            workers[0].send_signal(signal.SIGKILL)
 
-        far = grow(case, "model", FEW, lambda _: True, Store(tmp_path / "far"), kill_one, pool)
-        pool._client.close()
-    finally:
-        for worker in workers:
-            worker.kill()
-            worker.wait()
+    far = grow(case, "model", FEW, lambda _: True, Store(tmp_path / "far"), kill_one, pool)
+    pool._client.close()
     near = grow(case, "model", FEW, lambda _: True, Store(tmp_path / "near"))
     assert all(same(a, b) for a, b in zip(near, far, strict=True))
     stored = Store(tmp_path / "far").load(case, "model", FEW)

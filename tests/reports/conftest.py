@@ -19,7 +19,8 @@ def shadeproof(tmp_path_factory):
 
     def call(*words):
         takes_store = words[0] in ("compare", "gate", "references", "bench")
-        argv = ["shadeproof", *map(str, words), *(["--store", str(store)] if takes_store else [])]
+        own = ["--store", store] if takes_store and "--store" not in words else []
+        argv = ["shadeproof", *map(str, (*words, *own))]
         out, err = io.StringIO(), io.StringIO()
         before, sys.argv = sys.argv, argv
         try:
