@@ -1,0 +1,34 @@
+"""Templates to pages: one look, and nothing asked of the network."""
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+HERE = Path(__file__).parent
+
+
+def render(template: str, **shown: Any) -> str:
+    """A page as HTML, with the style and the script that all pages share."""
+    return (
+        _environment()
+        .get_template(template)
+        .render(
+            css=Markup((HERE / "report.css").read_text(encoding="utf-8")),
+            js=Markup((HERE / "report.js").read_text(encoding="utf-8")),
+            **shown,
+        )
+    )
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(HERE),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
