@@ -131,12 +131,19 @@ class LeftOut(Record):
 
 
 class LobeSampling(Record):
-    """Directions until the specular lobe of one mixture is known within 1 %, by how it samples."""
+    """Directions until the specular lobe of one mixture is known within 1 %, by how it samples.
+
+    `sampler` is the density that directions are drawn from: the GGX lobe's alone (the paper), the
+    mixture's own, or the Beckmann lobe's alone. `light` is "furnace" or an environment's name.
+    `samples` is null where it is beyond what was tried.
+    """
 
     roughness: float
     weight: float
     cos_theta: float
-    sampler: str
+    sampler: Literal["ggx", "mixture", "beckmann"]
+    points: Literal["Hammersley", "random"]
+    light: str
     samples: Figured
 
 
