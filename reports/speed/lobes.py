@@ -102,11 +102,10 @@ def furnace(wi: np.ndarray) -> np.ndarray:
     return np.ones((1, len(wi)))
 
 
-def environment(path: Path, seed: int = 0) -> Light:
-    """An environment's mean of R, G, B, around surfaces of TURNS random orientations."""
+def environment(path: Path, frames: np.ndarray) -> Light:
+    """An environment's mean of R, G, B, around surfaces in frames (orientations, 3, 3)."""
     radiance = load_environment(path).radiance.mean(axis=2)
     height, width = radiance.shape
-    frames = Rotation.random(TURNS, rng=np.random.default_rng(seed)).as_matrix()
 
     def light(wi: np.ndarray) -> np.ndarray:
         x, y, z = np.einsum("tij,nj->itn", frames, wi)
@@ -154,7 +153,8 @@ def lobe_sampling(
         environments: maps to measure under besides the furnace.
         largest: log2 of the largest Hammersley set.
     """
-    lights = {"furnace": furnace} | {path.stem: environment(path) for path in environments}
+    frames = Rotation.random(TURNS, rng=np.random.default_rng(0)).as_matrix()
+    lights = {"furnace": furnace} | {path.stem: environment(path, frames) for path in environments}
     return [
         found
         for name, light in lights.items()

@@ -73,20 +73,18 @@ def test_intervals_hold_their_figure(measured):
         assert 1 <= samples.low <= samples.value <= samples.high
 
 
-def test_an_environment_is_looked_up_around_each_orientation(write_map):
-    rows = np.cos(np.linspace(0, np.pi, 181))
-    light = environment(write_map(np.broadcast_to(rows[:, None, None], (181, 64, 3)) + 2))
-    wi = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
-    up, down, side = light(wi).T
-    assert np.ptp(up) > 0.5  # surfaces face all ways
-    np.testing.assert_allclose(up + down, 4, atol=1e-3)  # opposite directions, opposite heights
-    assert (np.abs(side - 2) ** 2 + np.abs(up - 2) ** 2 <= 1 + 1e-3).all()
-
-
-def test_an_even_environment_is_a_furnace(write_map):
-    light = environment(write_map(np.full((16, 32, 3), 3.0)))
-    wi = np.random.default_rng(0).normal(size=(50, 3))
-    np.testing.assert_allclose(light(wi / np.linalg.norm(wi, axis=1)[:, None]), 3, rtol=1e-6)
+def test_an_environment_is_looked_up_where_its_format_says(write_map):
+    pixels = np.zeros((5, 8, 3))
+    pixels[0], pixels[-1], pixels[2, 0], pixels[2, 2] = 1, 2, 3, 4
+    turned = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])  # z becomes +x, y stays, x becomes -z
+    light = environment(write_map(pixels), np.stack([np.eye(3), turned]))
+    # The middles of columns 0 and 2 of 8 lie 22.5 and 112.5 degrees from +y towards +x.
+    column = [np.array([np.sin(a), np.cos(a), 0]) for a in np.radians([22.5, 112.5])]
+    poles = [np.array([0.0, 0, 1]), np.array([0.0, 0, -1])]
+    seen = light(np.stack([*poles, *column]))
+    np.testing.assert_allclose(seen[0], [1, 2, 3, 4], atol=1e-6)
+    unturned = np.stack([*poles, *column]) @ turned  # directions that it turns to these
+    np.testing.assert_allclose(light(unturned)[1], [1, 2, 3, 4], atol=1e-6)
 
 
 @pytest.fixture
