@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.display import exposure_for
+from reports.display import FAINTEST, exposure_for
 from reports.metrics import METRICS, Metric
 from reports.metrics.subject import Subject, TruthView, crop_of
 from scenes.frame import Frame
@@ -92,6 +92,9 @@ def _unusable(pixels: np.ndarray, counts: dict[str, int], view: TruthView) -> st
         return f"covers {counts['pixels']} pixels and has no interior: too small for SSIM"
     if np.ptp(pixels[view.mask]) == 0 and np.ptp(view.mean[view.mask]) > 0:
         return "is blank where the truth is not"
+    own = pixels[view.mask]
+    if below := int((own * view.exposure < -FAINTEST).any(axis=1).sum()):
+        return f"{below} pixels of the object are below zero, by up to {-own.min():.2g}"
     return ""
 
 

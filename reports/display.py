@@ -4,6 +4,8 @@ import numpy as np
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # linear sRGB to Y, IEC 61966-2-1
 MIDDLE_GREY = 0.18
+# Half of 8-bit sRGB's first step, after exposure: less light than any picture shows.
+FAINTEST = 0.5 / 255 / 12.92
 
 
 def display(rgb: np.ndarray, exposure: float) -> np.ndarray:

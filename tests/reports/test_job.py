@@ -115,6 +115,8 @@ def frame_of(kind):
         rgb[:] = 0
     if kind == "nan":
         rgb[30:40, 40:60] = np.nan
+    if kind == "negative":
+        rgb[40:44, 40:60, 1] = -0.05
     if kind == "small":
         rgb = rgb[::2, ::2].copy()
     return Frame(rgb)
@@ -122,7 +124,13 @@ def frame_of(kind):
 
 @pytest.mark.parametrize(
     ("kind", "problem"),
-    [("blank", "blank"), ("nan", "NaN"), ("small", "48x36"), ("missing", "no such file")],
+    [
+        ("blank", "blank"),
+        ("nan", "NaN"),
+        ("negative", "below zero, by up to 0.05"),
+        ("small", "48x36"),
+        ("missing", "no such file"),
+    ],
 )
 def test_a_bad_picture_fails_its_own_rows(shadeproof, tmp_path, kind, problem):
     folder = tmp_path / "pictures"
@@ -136,6 +144,17 @@ def test_a_bad_picture_fails_its_own_rows(shadeproof, tmp_path, kind, problem):
     assert len(rows) == 12
     assert all(r.verdict == "fail" for r in rows if r.problem)
     assert any(problem in r.problem for r in rows)
+
+
+def test_what_rounding_leaves_below_zero_is_counted_and_no_failure(shadeproof, pictures, tmp_path):
+    frame = load_frame(pictures / f"{CASE}.exr")
+    frame.rgb[40:44, 40:60] = [-1e-9, 0.1, -2e-6]
+    save_frame(frame, pictures / f"{CASE}.exr")
+    words = ("compare", "--suite", "tiny", "--candidate", pictures, "--out", tmp_path / "out")
+    assert shadeproof(*words)[0] == 0
+    rows = rows_of(tmp_path / "out")
+    assert {r.problem for r in rows} == {""}
+    assert sum(r.negative_pixels for r in rows) == 4 * 80
 
 
 @pytest.mark.parametrize(
