@@ -1,51 +1,26 @@
 """Draw a case with a technique."""
 
-from dataclasses import dataclass
-from functools import cache
 from statistics import median
 from time import perf_counter
 from typing import Any
 
-import moderngl
 import numpy as np
 
-from renderer.context import context, device
+from renderer.context import device
 from renderer.features import FINE, Technique, features, split_samples
-from renderer.geometry import buffers
+from renderer.objects import culled, object_ids, placed, vertex_array
+from renderer.passes import Draw, Prepared, draw_frame
 from renderer.precompute import Maps, precomputed
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.prefilter import LEVELS
-from renderer.program import bind_maps, fill, program, set_uniforms
-from renderer.targets import Target, make_target, release
-from renderer.view import View, inside, view
+from renderer.program import program
+from renderer.targets import make_target
+from renderer.view import View, covered, view
 from scenes.frame import Frame
-from scenes.mesh import load_mesh, placement
 from scenes.schema import Case, Model, Object
 
 REPEATS = 5
 TIMING_SECONDS = 0.4  # slow techniques are timed over fewer frames
-
-
-@dataclass(frozen=True, eq=False)
-class Draw:
-    """One object ready to be drawn: all that stays the same from frame to frame."""
-
-    vertices: moderngl.VertexArray
-    shader: moderngl.Program
-    uniforms: dict[str, Any]
-    maps: Maps
-    culled: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Prepared:
-    """A case ready to be drawn again and again."""
-
-    draws: list[Draw]
-    background: moderngl.Program
-    background_uniforms: dict[str, Any]
-    maps: Maps
-    target: Target
 
 
 class Renderer:
@@ -97,104 +72,64 @@ class Renderer:
     def prepare(self, case: Case, maps: Maps) -> Prepared:
         """Compile (or find) the shaders, gather the uniforms and make the target."""
         camera, turn = view(case), case.environment.rotation / 360
-        draws = [self._draw(o, case.model, camera, turn, maps) for o in case.objects]
-        background = program("fullscreen.vert", "background.frag")
-        rays = {
+        scale = self.technique.supersample
+        size = (case.width * scale, case.height * scale)
+        frame = {
             "forward": camera.forward,
             "right": camera.right,
             "up": camera.up,
             "environment_turn": turn,
-            "pixel_area": _pixel_area(camera, case),
         }
-        scale = self.technique.supersample
-        target = make_target((case.width * scale, case.height * scale), self.technique.msaa)
+        draws = [
+            self._draw(number, obj, case.model, camera, size, frame, maps)
+            for number, obj in enumerate(case.objects, start=1)
+        ]
+        target = make_target(
+            size, self.technique.msaa, covered(case.objects, camera, size), self.technique.per_pixel
+        )
+        background = program("fullscreen.vert", "background.frag")
+        rays = frame | {"pixel_area": _pixel_area(camera, case)}
         return Prepared(draws, background, rays, maps, target)
 
-    def _draw(self, obj: Object, model: Model, camera: View, turn: float, maps: Maps) -> Draw:
-        material = obj.material
-        defines = features(material, model, self.technique.diffuse)
-        shader = program("mesh.vert", "mesh.frag", defines, self.technique.shade)
-        if self.technique.own_table(model):
+    def _draw(
+        self,
+        number: int,
+        obj: Object,
+        model: Model,
+        camera: View,
+        size: tuple[int, int],
+        frame: dict[str, Any],
+        maps: Maps,
+    ) -> Draw:
+        material, how = obj.material, self.technique
+        defines = features(material, model, how.diffuse)
+        if how.own_table(model):
             maps = maps | {"table_smith": smith_table(material).texture}
-        uniforms = _placed(obj, camera) | {
+        maps = maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}
+        if how.per_pixel:
+            raster = program("mesh.vert", "surface.frag")
+            sides = frozenset({"ANTIALIASED"}) if how.msaa else frozenset()
+            shading = program("fullscreen.vert", "surface_shade.frag", defines | sides, how.shade)
+        else:
+            raster, shading = program("mesh.vert", "mesh.frag", defines, how.shade), None
+        uniforms = {
+            **frame,
+            **placed(obj, camera),
+            "number": number,
             "albedo": material.diffuse_albedo,
             "f0": material.specular_f0,
             "alpha": material.alpha,
             "weight_d": (material.weight, 1 - material.weight),
             "weight_g": (material.masking_weight, 1 - material.masking_weight),
-            "sharers": self.technique.supersample**2 if self.technique.filtered else 1e9,
-            "lobe_samples": split_samples(material, self.technique.samples),
+            "sharers": how.sets if how.filtered else 1e9,
+            "lobe_samples": split_samples(material, how.samples_per_set),
             "prefilter_levels": float(LEVELS),
-            "environment_turn": turn,
+            "coverage_samples": how.msaa,
+            "sets": max(how.msaa, 1) if how.per_pixel else 1,
         }
-        maps = maps | {n: maps[f"{n}{FINE}"] for n in self.technique.fine if f"{n}{FINE}" in maps}
-        vertices = vertex_array(obj.mesh, shader)
-        return Draw(vertices, shader, uniforms, maps, _culled(obj, camera))
-
-
-def draw_frame(prepared: Prepared) -> None:
-    """One frame: objects, box filter over coverage, then the environment behind them."""
-    gl, target = context(), prepared.target
-    target.drawn.use()
-    target.drawn.clear()
-    for draw in prepared.draws:
-        gl.enable_only(moderngl.DEPTH_TEST | (moderngl.CULL_FACE if draw.culled else 0))
-        set_uniforms(draw.shader, **draw.uniforms)
-        bind_maps(draw.shader, draw.maps)
-        draw.vertices.render()
-    if target.drawn is not target.resolved:
-        gl.copy_framebuffer(target.resolved, target.drawn)
-    gl.enable_only(moderngl.BLEND)
-    gl.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
-    set_uniforms(prepared.background, **prepared.background_uniforms)
-    bind_maps(prepared.background, prepared.maps)
-    fill(target.resolved, prepared.background)
-    gl.enable_only(moderngl.NOTHING)
-    gl.finish()
-
-
-def object_ids(case: Case) -> np.ndarray:
-    """The object at each pixel's centre, (H, W) uint8, 1-based; 0 is the background."""
-    gl, size = context(), (case.width, case.height)
-    camera = view(case)
-    shader = program("mesh.vert", "id.frag")
-    target = gl.framebuffer([gl.renderbuffer(size, 1, dtype="u1")], gl.depth_renderbuffer(size))
-    target.use()
-    target.clear()
-    for number, obj in enumerate(case.objects, start=1):
-        cull = moderngl.CULL_FACE if _culled(obj, camera) else 0
-        gl.enable_only(moderngl.DEPTH_TEST | cull)
-        set_uniforms(shader, id=number, **_placed(obj, camera))
-        vertex_array(obj.mesh, shader).render()
-    gl.enable_only(moderngl.NOTHING)
-    ids = np.frombuffer(target.read(components=1, dtype="u1"), np.uint8)
-    release(target, *target.color_attachments, target.depth_attachment)
-    return ids.reshape(case.height, case.width)[::-1].copy()
-
-
-@cache
-def vertex_array(mesh: str, shader: moderngl.Program) -> moderngl.VertexArray:
-    """The mesh's shared buffers, bound to the inputs that the shader kept."""
-    vertices, indices = buffers(mesh)
-    layout = ("3f 3f", "position", "normal") if "normal" in shader else ("3f 12x", "position")
-    return context().vertex_array(shader, [(vertices, *layout)], indices)
-
-
-def _culled(obj: Object, camera: View) -> bool:
-    """Whether the object's back faces are hidden for sure: it is closed and the eye outside."""
-    return load_mesh(obj.mesh).closed and not inside(obj, camera.eye)
-
-
-def _placed(obj: Object, camera: View) -> dict[str, Any]:
-    """The uniforms that place an object, as column-major float32 bytes."""
-    matrix = placement(obj)
-    normals = np.linalg.inv(matrix[:3, :3])  # transposed twice: inverse transpose, column-major
-    return {
-        "to_clip": (camera.to_clip @ matrix).T.astype(np.float32).tobytes(),
-        "to_world": matrix[:3].T.astype(np.float32).tobytes(),
-        "normals_to_world": normals.astype(np.float32).tobytes(),
-        "eye": camera.eye,
-    }
+        vertices = vertex_array(obj.mesh, raster)
+        within = covered((obj,), camera, size)
+        return Draw(vertices, raster, shading, uniforms, maps, culled(obj, camera), within)
 
 
 def _pixel_area(camera: View, case: Case) -> float:

@@ -53,13 +53,15 @@ class Technique:
 
     Attributes:
         shade: the shader file that integrates.
-        samples: directions per pixel, where the shader samples; else 0.
+        samples: directions per pixel, where the shader samples; else 0. Coverage samples share
+            them, and have at least one each.
         msaa: coverage samples per pixel, box-filtered; 0 for none.
         supersample: whole pixels drawn per pixel and axis, box-filtered.
         filtered: look each sample up in a mip as large as its share of directions; without,
             the result has no bias and all of the noise.
         diffuse: with the diffuse lobe's light; without, only the specular lobes' is left.
         fine: maps made so finely that their own error is gone, to tell it from others.
+        per_pixel: shade each pixel once, not each triangle in it (see renderer.passes).
     """
 
     name: str
@@ -70,6 +72,21 @@ class Technique:
     filtered: bool = True
     diffuse: bool = True
     fine: tuple[str, ...] = ()
+    per_pixel: bool = True
+
+    def __post_init__(self) -> None:
+        if not self.per_pixel and not self.msaa:
+            raise ValueError(f"'{self.name}': shading per triangle is for antialiasing")
+
+    @property
+    def sets(self) -> int:
+        """How many sets of directions share a pixel."""
+        return self.supersample**2 * (max(self.msaa, 1) if self.per_pixel else 1)
+
+    @property
+    def samples_per_set(self) -> int:
+        """Directions in each of them."""
+        return -(-self.samples // self.sets)
 
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
@@ -91,7 +108,7 @@ class Technique:
 
 
 TECHNIQUES = {
-    "paper": Technique("paper", "shade_paper.glsl"),
+    "paper": Technique("paper", "shade_paper.glsl", per_pixel=False),
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=64),
 }

@@ -38,9 +38,23 @@ def bind_maps(target: moderngl.Program, maps: dict[str, moderngl.Texture]) -> No
             target[name].value = unit
 
 
-def fill(target: moderngl.Framebuffer, fragment: moderngl.Program) -> None:
-    """Run a fragment program over every pixel of a framebuffer."""
+def fill(
+    target: moderngl.Framebuffer,
+    fragment: moderngl.Program,
+    rectangle: tuple[int, int, int, int] | None = None,
+) -> None:
+    """Run a fragment program over a framebuffer's pixels, or those of a rectangle in it.
+
+    The rectangle is left, bottom, width, height. The program's `uv` spans the viewport.
+    """
+    target.scissor = rectangle
     target.use()
-    triangle = context().vertex_array(fragment, [])
-    triangle.render(moderngl.TRIANGLES, vertices=3)
-    triangle.release()
+    _triangle(fragment).render(moderngl.TRIANGLES, vertices=3)
+    target.scissor = None
+
+
+def _triangle(fragment: moderngl.Program) -> moderngl.VertexArray:
+    """A vertex array without vertices: the vertex shader makes them."""
+    if fragment.extra is None:  # kept with the program, and gone with it
+        fragment.extra = context().vertex_array(fragment, [])
+    return fragment.extra

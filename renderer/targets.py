@@ -8,43 +8,121 @@ import moderngl
 import numpy as np
 
 from renderer.context import context
+from renderer.program import bind_maps, fill, program, set_uniforms
+
+Rectangle = tuple[int, int, int, int]  # left, bottom, width, height, in pixels
 
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """Where a frame is drawn and where it ends up; the same framebuffer without antialiasing."""
+    """Where a frame is drawn, and where it ends up.
+
+    Attributes:
+        drawn: what triangles are drawn into; with antialiasing it spans only `covered`.
+        finished: the whole picture.
+        covered: the part of the picture that objects may touch.
+        surfaces: whether `drawn` takes what surfaces are, to be shaded afterwards, not their light.
+    """
 
     drawn: moderngl.Framebuffer
-    resolved: moderngl.Framebuffer
+    finished: moderngl.Framebuffer
+    covered: Rectangle
+    surfaces: bool
+
+    @property
+    def antialiased(self) -> bool:
+        """Whether `drawn` has coverage samples."""
+        return self.drawn.samples > 0
+
+    @property
+    def corner(self) -> tuple[int, int]:
+        """Where the lower left pixel of `drawn` lies in the picture."""
+        return self.covered[:2] if self.antialiased else (0, 0)
+
+    @property
+    def held(self) -> int:
+        """Bytes of its colour and depth."""
+        attached = {id(a): a for f in (self.drawn, self.finished) for a in _hanging(f)}
+        return sum(
+            a.width * a.height * max(a.samples, 1) * (4 if a.depth else 16)
+            for a in attached.values()
+        )
 
     def read(self) -> np.ndarray:
-        """The resolved linear RGB, (H, W, 3) float32, row 0 on top."""
-        width, height = self.resolved.size
-        pixels = np.frombuffer(self.resolved.read(components=4, dtype="f4"), np.float32)
+        """The finished linear RGB, (H, W, 3) float32, row 0 on top."""
+        width, height = self.finished.size
+        pixels = np.frombuffer(self.finished.read(components=4, dtype="f4"), np.float32)
         return pixels.reshape(height, width, 4)[::-1, :, :3]
 
     def release(self) -> None:
         """Free both framebuffers and what hangs on them."""
-        for framebuffer in {id(f): f for f in (self.drawn, self.resolved)}.values():
-            hanging = (*framebuffer.color_attachments, framebuffer.depth_attachment)
-            release(framebuffer, *(a for a in hanging if a is not None))
+        attached = {id(a): a for f in (self.drawn, self.finished) for a in _hanging(f)}
+        release(self.drawn, self.finished, *attached.values())
 
 
-def make_target(size: tuple[int, int], msaa: int) -> Target:
+def make_target(
+    size: tuple[int, int], msaa: int, covered: Rectangle, per_pixel: bool = True
+) -> Target:
     """A float32 RGBA target of `size` (width, height) with `msaa` samples a pixel, 0 for none.
 
     float32, since suns exceed the 65,504 that float16 can hold.
     """
     gl = context()
+    colour = gl.renderbuffer(size, 4, dtype="f4")
     if not msaa:
-        one = gl.framebuffer([gl.renderbuffer(size, 4, dtype="f4")], gl.depth_renderbuffer(size))
-        return Target(one, one)
-    samples = min(msaa, gl.max_samples)
+        depth = gl.depth_renderbuffer(size)
+        finished = gl.framebuffer([colour], depth)
+        finished.depth_mask = False  # its depth is that of `drawn`
+        drawn = gl.framebuffer([gl.texture(size, 4, dtype="f4")], depth)
+        return Target(drawn, finished, covered, per_pixel)
+    left, bottom, *inner = covered
+    inner = max(inner[0], 1), max(inner[1], 1)
     drawn = gl.framebuffer(
-        [gl.renderbuffer(size, 4, samples=samples, dtype="f4")],
-        gl.depth_renderbuffer(size, samples=samples),
+        [gl.texture(inner, 4, samples=msaa, dtype="f4")],
+        gl.depth_renderbuffer(inner, samples=msaa),
     )
-    return Target(drawn, gl.framebuffer([gl.renderbuffer(size, 4, dtype="f4")]))
+    # The whole picture's viewport, moved: every sample lies where it would without the crop.
+    drawn.viewport = (-left, -bottom, *size)
+    return Target(drawn, gl.framebuffer([colour]), covered, per_pixel)
+
+
+def _hanging(framebuffer: moderngl.Framebuffer) -> list[Any]:
+    """A framebuffer's colour and depth."""
+    depth = framebuffer.depth_attachment
+    return [*framebuffer.color_attachments, *([depth] if depth else [])]
+
+
+def clear_depth(framebuffer: moderngl.Framebuffer) -> None:
+    """Bind a framebuffer and clear its depth alone: every pixel's colour will be written anyway."""
+    viewport, framebuffer.viewport = framebuffer.viewport, (0, 0, *framebuffer.size)
+    framebuffer.color_mask = (False,) * 4
+    framebuffer.use()  # which sets the masks
+    framebuffer.clear()
+    framebuffer.color_mask = (True,) * 4
+    framebuffer.viewport = viewport
+    framebuffer.use()
+
+
+def resolve(target: Target) -> None:
+    """Average the coverage samples into the finished picture."""
+    shader = program("fullscreen.vert", "resolve.frag")
+    (samples,) = target.drawn.color_attachments
+    set_uniforms(shader, count=samples.samples, corner=target.corner)
+    bind_maps(shader, {"coverage_samples": samples})
+    fill(target.finished, shader, target.covered)
+
+
+def outside(rectangle: Rectangle, size: tuple[int, int]) -> list[Rectangle]:
+    """The rest of a picture of `size` (width, height), as up to four rectangles."""
+    left, bottom, width, height = rectangle
+    right, top = left + width, bottom + height
+    rest = [
+        (0, 0, size[0], bottom),
+        (0, top, size[0], size[1] - top),
+        (0, bottom, left, height),
+        (right, bottom, size[0] - right, height),
+    ]
+    return [r for r in rest if r[2] > 0 and r[3] > 0]
 
 
 def release(framebuffer: moderngl.Framebuffer, *others: Any) -> None:

@@ -1,5 +1,6 @@
 """The camera as matrices for OpenGL."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
@@ -55,6 +56,25 @@ def inside(obj: Object, eye: np.ndarray) -> bool:
     matrix = placement(obj)
     local = np.linalg.solve(matrix[:3, :3], eye - matrix[:3, 3])
     return bool(((local >= low) & (local <= high)).all())
+
+
+def covered(
+    objects: Iterable[Object], camera: View, size: tuple[int, int]
+) -> tuple[int, int, int, int]:
+    """The part of a picture of `size` (width, height) that objects may touch.
+
+    Returns:
+        Left, bottom, width, height in pixels, from the corners of the objects' bounding boxes.
+    """
+    clip = np.concatenate([corners(o) for o in objects])
+    clip = np.hstack([clip, np.ones((len(clip), 1))]) @ camera.to_clip.T
+    if (clip[:, 3] <= 0).any():  # behind the eye: what lies between projects anywhere
+        return 0, 0, *size
+    points = (clip[:, :2] / clip[:, 3:] + 1) / 2 * size
+    low = np.clip(np.floor(points.min(axis=0)) - 1, 0, size).astype(int)
+    high = np.clip(np.ceil(points.max(axis=0)) + 1, 0, size).astype(int)
+    width, height = (int(n) for n in high - low)
+    return int(low[0]), int(low[1]), width, height
 
 
 def _depth_planes(

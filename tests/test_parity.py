@@ -46,7 +46,7 @@ def case_of(path: Path, material: Material, mesh: str = "sphere", rotation: floa
 
 def ours(case: Case, samples: int = 64, filtered: bool = False) -> np.ndarray:
     """The renderer at its best: `samples` directions at each of 16 points in a pixel."""
-    exact = replace(technique(f"sampled@{samples}"), msaa=0, supersample=4, filtered=filtered)
+    exact = replace(technique(f"sampled@{16 * samples}"), msaa=0, supersample=4, filtered=filtered)
     return Renderer(exact, repeats=0).render(case).rgb
 
 

@@ -9,7 +9,8 @@
 // The model's exact BRDF over sampled directions with filtered look-ups. Each lobe has its own
 // share of the samples; the balance heuristic (Veach and Guibas 1995) joins them without bias.
 uniform ivec3 lobe_samples; // GGX, Beckmann, cosine
-uniform float sharers;      // how many such sets of samples share a pixel
+uniform int sets;           // of samples of one shading point each, in a pixel
+uniform float sharers;      // how many sets the light is filtered for
 
 float pdf_half_vector(float D, vec3 h, float wo_h) {
     return D * h.z / (4.0 * wo_h);
@@ -49,26 +50,32 @@ vec2 pixel_shift() {
     return vec2(p.xy >> 8u) * (1.0 / 16777216.0);
 }
 
-vec3 shade(vec3 n, vec3 v, Material m) {
+// Point i of the n that one of the pixel's sets has: its part of one set for the whole pixel. Where
+// the sets see alike they are as good as that one; each takes its own range of u.x.
+vec2 sample_point(int i, int n, int set, vec2 shift) {
+    return fract(hammersley(uint(set * n + i), uint(n * sets)) + shift);
+}
+
+vec3 shade(vec3 n, vec3 v, Material m, int set) {
     mat3 to_world = tangent_frame(n);
     vec3 wo = v * to_world;
     vec2 shift = pixel_shift();
     vec3 L = vec3(0.0);
 #ifdef D_GGX
     for (int i = 0; i < lobe_samples.x; ++i) {
-        vec2 u = fract(hammersley(uint(i), uint(lobe_samples.x)) + shift);
+        vec2 u = sample_point(i, lobe_samples.x, set, shift);
         L += incident(reflect(-wo, sample_ggx(u, m.alpha)), wo, to_world, m);
     }
 #endif
 #ifdef D_BECKMANN
     for (int i = 0; i < lobe_samples.y; ++i) {
-        vec2 u = fract(hammersley(uint(i), uint(lobe_samples.y)) + shift);
+        vec2 u = sample_point(i, lobe_samples.y, set, shift);
         L += incident(reflect(-wo, sample_beckmann(u, m.alpha)), wo, to_world, m);
     }
 #endif
 #ifdef DIFFUSE
     for (int i = 0; i < lobe_samples.z; ++i) {
-        vec2 u = fract(hammersley(uint(i), uint(lobe_samples.z)) + shift);
+        vec2 u = sample_point(i, lobe_samples.z, set, shift);
         L += incident(sample_cosine(u), wo, to_world, m);
     }
 #endif

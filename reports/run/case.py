@@ -6,8 +6,9 @@ import numpy as np
 
 from reference.batches import grow, truth_of
 from reference.store import Store
-from renderer.draw import Renderer, object_ids
+from renderer.draw import Renderer
 from renderer.features import switched, technique
+from renderer.objects import object_ids
 from reports import gate, parity
 from reports.candidates import CandidateError
 from reports.compare import Truth, exposures_of
