@@ -176,16 +176,13 @@ PHYSICAL = Model(fresnel="exact", kd="interface", masking="smith")
 def model_steps(model: Model) -> list[Model]:
     """From a model to PHYSICAL, one field a step: Fresnel, then kd, then masking.
 
-    Each differs from the one before (the first from `model`) in one field; fields that are
-    physical already make no step, so PHYSICAL has none.
+    A field that is physical already makes a step that changes nothing.
     """
     steps = []
     for field in ("fresnel", "kd", "masking"):
-        physical = getattr(PHYSICAL, field)
-        if getattr(model, field) != physical:
-            # Rebuilt, not copied: every step is validated.
-            model = Model(**model.model_dump() | {field: physical})
-            steps.append(model)
+        # Rebuilt, not copied: every step is validated.
+        model = Model(**model.model_dump() | {field: getattr(PHYSICAL, field)})
+        steps.append(model)
     return steps
 
 

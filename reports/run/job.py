@@ -18,7 +18,7 @@ from reports.results import Missing
 from scenes.environment import load_environment
 from scenes.errors import InputError
 from scenes.mesh import placement
-from scenes.schema import PHYSICAL, Case, Material, Model
+from scenes.schema import PHYSICAL, Case, Material, Model, model_steps
 from scenes.suite import Entry, Sampling, Suite, expand, load_suite
 
 OUTSIDE = "candidate"  # the technique under which an outside candidate's rows stand
@@ -160,11 +160,8 @@ def sources(entry: Entry) -> list[Source]:
         found.append(Source(_under(case, PHYSICAL), "model", {"physical-smith": "global"}))
     if entry.split_model:
         # The third step, masking, ends at `physical` itself.
-        fields = case.model.model_dump()
-        for name, field in zip(MODEL_STEPS[:2], ("fresnel", "kd"), strict=True):
-            fields |= {field: getattr(PHYSICAL, field)}
-            model = _under(case, Model(**fields))
-            found.append(Source(model, "model", {name: "global"}, judged=False))
+        for name, model in zip(MODEL_STEPS[:2], model_steps(case.model)[:2], strict=True):
+            found.append(Source(_under(case, model), "model", {name: "global"}, judged=False))
     return found
 
 

@@ -127,11 +127,11 @@ def test_the_papers_model_becomes_physical_by_fresnel_then_kd_then_masking():
     assert before == PHYSICAL
 
 
-def test_what_is_physical_already_makes_no_step():
-    assert model_steps(PHYSICAL) == []
-    assert model_steps(Model(fresnel="exact", masking="smith")) == [PHYSICAL]
-    steps = model_steps(Model(masking="smith"))
-    assert len(steps) == 2 and all(m.masking == "smith" for m in steps)
+def test_what_is_physical_already_makes_a_step_that_changes_nothing():
+    assert model_steps(PHYSICAL) == [PHYSICAL] * 3
+    fresnel, kd, masking = model_steps(Model(masking="smith"))
+    assert fresnel == Model(fresnel="exact", masking="smith")
+    assert kd == masking == PHYSICAL
 
 
 def test_an_interface_under_schlicks_fresnel_is_refused():
