@@ -34,15 +34,32 @@ def similarity(value: float, decimals: int = 4) -> str:
     return number(value, decimals)
 
 
+def digits(value: float) -> str:
+    """A number to three digits, never with an exponent, without idle zeros."""
+    if not math.isfinite(value) or value == 0:
+        return number(value, 0)
+    decimals = max(2 - math.floor(math.log10(abs(value))), 0)
+    text = f"{round(value, decimals):,.{decimals}f}".replace(",", GAP).replace("-", "−")
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
 def seconds(value: float) -> str:
     """A time in seconds, in the unit that suits it."""
     if not math.isfinite(value):
         return number(value, 0)
-    if value < 1:
-        return f"{1e3 * value:.3g}{GAP}ms"
+    if value < 0.9995:
+        return f"{digits(1e3 * value)}{GAP}ms"
     if value < 120:
-        return f"{value:.3g}{GAP}s"
-    return f"{value / 60:.3g}{GAP}min"
+        return f"{digits(value)}{GAP}s"
+    return f"{digits(value / 60)}{GAP}min"
+
+
+def size(value: float) -> str:
+    """Bytes in the unit that suits them."""
+    if not math.isfinite(value):
+        return number(value, 0)
+    unit, name = (1e9, "GB") if value >= 999.5e6 else (1e6, "MB")
+    return f"{digits(value / unit)}{GAP}{name}"
 
 
 def count(value: float) -> str:
