@@ -1,8 +1,11 @@
 """Line charts as inline SVG in the page's own colours, with the numbers they show."""
 
+import json
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import altair as alt
 import vl_convert
@@ -17,11 +20,15 @@ WIDTH, HEIGHT = 290, 190
 
 @dataclass(frozen=True)
 class Line:
-    """One line of a chart: the series it belongs to (colour and mark), its style, and y by x."""
+    """One line of a chart: the series it belongs to (colour and mark), its style, and y by x.
+
+    `ends` are the intervals of y, drawn as bars. What is NaN is not drawn.
+    """
 
     series: str
     style: str
     y: Sequence[float]
+    ends: Sequence[tuple[float, float]] = ()
 
 
 @dataclass(frozen=True)
@@ -34,36 +41,71 @@ class Chart:
     rows: list[list[str]]
 
 
+@dataclass(frozen=True)
+class Axis:
+    """An axis: its title, its two ends, its ticks and how a number on it reads.
+
+    Without ticks the chart chooses some five, shown as plain numbers.
+    """
+
+    title: str
+    ends: tuple[float, float]
+    ticks: Sequence[float] = ()
+    show: Callable[[float], str] = "{:g}".format
+    log: bool = False
+
+    @property
+    def drawn(self) -> alt.Axis:
+        """Its ticks and labels."""
+        if not self.ticks:
+            return alt.Axis(tickCount=5)
+        labels = json.dumps([self.show(t) for t in self.ticks])
+        places = json.dumps(list(self.ticks))
+        return alt.Axis(
+            values=list(self.ticks),
+            labelExpr=f"{labels}[indexof({places}, datum.value)]",
+            labelOverlap=True,
+            labelSeparation=6,
+            labelFlush=False,
+        )
+
+    @property
+    def scale(self) -> alt.Scale:
+        """Its scale; what lies beyond an end is drawn at that end."""
+        kind = "log" if self.log else "linear"
+        return alt.Scale(type=kind, domain=self.ends, nice=False, clamp=self.log)
+
+
 def line_chart(
     title: str,
     description: str,
-    x_title: str,
-    y_title: str,
+    x_axis: Axis,
+    y_axis: Axis,
     x: Sequence[float],
     lines: Sequence[Line],
     *,
-    series_title: str,
-    x_ticks: Sequence[float],
-    y_range: tuple[float, float],
-    unit: str = "%",
+    series_title: str | None,
+    told: Callable[[float], str],
 ) -> Chart:
     """Draw lines over common x.
 
     Args:
         description: what a reader who cannot see the chart should know.
-        series_title: what the names of the series say.
+        series_title: what the names of the series say; None where they need no title.
         lines: up to four series, each in up to two styles (solid with marks,
             dashed without, by first appearance).
-        y_range: ends of the y axis, in the unit of the lines' y.
+        told: how a y reads in the table.
     """
     series = list(dict.fromkeys(line.series for line in lines))
     styles = list(dict.fromkeys(line.style for line in lines))
-    values = [
-        {"x": at, "y": round(y, 3), "series": line.series, "style": line.style}
-        for line in lines
-        for at, y in zip(x, line.y, strict=True)
-    ]
-    series_key = alt.Legend(title=series_title, titleOrient="left", titlePadding=14, symbolSize=60)
+    series_key = alt.Legend(
+        title=series_title,
+        titleOrient="left",
+        titlePadding=14,
+        symbolSize=60,
+        symbolOpacity=1,
+        columns=0 if series_title else 2,  # 0 is one row: names under a title are short
+    )
     styles_key = alt.Legend(
         title=None,
         orient="bottom",
@@ -72,19 +114,21 @@ def line_chart(
         symbolSize=400,
         symbolStrokeColor=INK,
     )
-    base = alt.Chart(alt.Data(values=values)).encode(
-        x=alt.X(
-            "x:Q", title=x_title, axis=alt.Axis(values=x_ticks, labelExpr="'' + datum.value")
-        ).scale(domain=[x_ticks[0], x_ticks[-1]], nice=False),
-        y=alt.Y("y:Q", title=y_title, axis=alt.Axis(tickCount=5)).scale(domain=y_range, nice=False),
+    base = alt.Chart(alt.Data(values=_values(x, lines))).encode(
+        x=alt.X("x:Q", title=x_axis.title, axis=x_axis.drawn, scale=x_axis.scale),
+        y=alt.Y("y:Q", title=y_axis.title, axis=y_axis.drawn, scale=y_axis.scale),
         color=alt.Color("series:N", sort=None, legend=series_key).scale(
             domain=series, range=SERIES_COLOURS[: len(series)]
         ),
     )
-    styled = base.mark_line(strokeWidth=1.6).encode(
-        strokeDash=alt.StrokeDash("style:N", sort=None, legend=styles_key).scale(
-            domain=styles, range=[[1, 0], [5, 3]][: len(styles)]
-        )
+    dashes = alt.StrokeDash(
+        "style:N", sort=None, legend=styles_key if len(styles) > 1 else None
+    ).scale(domain=styles, range=[[1, 0], [5, 3]][: len(styles)])
+    styled = base.mark_line(strokeWidth=1.6).encode(strokeDash=dashes)
+    barred = (
+        base.transform_filter("isValid(datum.low)")
+        .mark_rule(opacity=0.6)
+        .encode(y=alt.Y("low:Q"), y2="high:Q")
     )
     marked = (
         base.transform_filter(alt.datum.style == styles[0])
@@ -96,7 +140,7 @@ def line_chart(
         )
     )
     chart = (
-        alt.layer(styled, marked, width=WIDTH, height=HEIGHT)
+        alt.layer(styled, barred, marked, width=WIDTH, height=HEIGHT)
         .configure(background="transparent", font="system-ui, sans-serif")
         .configure_axis(
             labelColor=SOFT, titleColor=INK, gridColor=LINE, domainColor=SOFT, tickColor=SOFT,
@@ -109,14 +153,26 @@ def line_chart(
         .configure_view(stroke=None)
     )  # fmt: skip
     svg = vl_convert.vegalite_to_svg(chart.to_dict())
+    names = [", ".join([line.series, *([line.style] if len(styles) > 1 else [])]) for line in lines]
     return Chart(
         title=title,
         svg=_inline(svg, title, description),
-        header=[x_title, *(f"{line.series}, {line.style}" for line in lines)],
-        rows=[
-            [f"{at:g}", *(f"{line.y[i]:.1f} {unit}" for line in lines)] for i, at in enumerate(x)
-        ],
+        header=[x_axis.title, *names],
+        rows=[[x_axis.show(at), *(told(line.y[i]) for line in lines)] for i, at in enumerate(x)],
     )
+
+
+def _values(x: Sequence[float], lines: Sequence[Line]) -> list[dict[str, Any]]:
+    """One record for each mark; what is no number is left out, since JSON has none."""
+    records = []
+    for line in lines:
+        ends = line.ends or [(math.nan, math.nan)] * len(x)
+        for at, y, (low, high) in zip(x, line.y, ends, strict=True):
+            figures = {"x": at, "y": y, "low": low, "high": high}
+            known = {name: float(f"{v:.5g}") for name, v in figures.items() if math.isfinite(v)}
+            if "y" in known:
+                records.append(known | {"series": line.series, "style": line.style})
+    return records
 
 
 def _inline(svg: str, title: str, description: str) -> Markup:

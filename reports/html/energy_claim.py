@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from reports.furnace import MASKINGS, Departure, EnergyClaim, Masking, Quantity, energy_claim
-from reports.html.charts import Chart, Line, line_chart
+from reports.html.charts import Axis, Chart, Line, line_chart
 
 WEIGHT = 0.5  # of the charts over angle and roughness: the mixture's own departure is worst there
 
@@ -89,13 +89,12 @@ def _chart(
     return line_chart(
         f"{kind.heading} {over}",
         f"{kind.y_title}, masking {' and '.join(spans)}.",
-        x_title,
-        kind.y_title,
+        Axis(x_title, (ticks[0], ticks[-1]), ticks),
+        Axis(kind.y_title, kind.y_range),
         x,
         lines,
         series_title=series_title,
-        x_ticks=ticks,
-        y_range=kind.y_range,
+        told=lambda y: f"{y:.1f} %",
     )
 
 
