@@ -12,6 +12,7 @@ from reports.html.figures import METRICS, decisive, seconds, slug
 from reports.html.frames import CaseFrames
 from reports.html.images import Picture, case_pictures, cause_maps, close_ups
 from reports.html.matrix import Matrix, label_of, matrices, row_id
+from reports.html.speed import SpeedView, speed_of
 from reports.html.trust import Fact, facts
 from reports.ladder import NAMES
 from reports.results import CaseRecord, Results, Row
@@ -108,6 +109,7 @@ class Page:
     seconds: str
     budgets: list[list[str]]
     energy_claim: ClaimView
+    speed: SpeedView | str | None
 
 
 def page_of(results: Results, folder: Path) -> Page:
@@ -149,6 +151,7 @@ def page_of(results: Results, folder: Path) -> Page:
             for b in results.budgets
         ],
         energy_claim=energy_claim_view(),
+        speed=speed_of(folder),
     )
 
 

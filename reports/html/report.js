@@ -27,8 +27,66 @@ function follow() {
   section.querySelector(".pictures").scrollIntoView({ block: "start" });
 }
 
+// Points and lines take the places that the chosen meaning of time gives them.
+function move(section) {
+  const chosen = section.querySelector("input[data-axis=time]:checked");
+  if (!chosen) return;
+  for (const path of section.querySelectorAll("path[data-moves]")) {
+    path.setAttribute("d", JSON.parse(path.dataset.moves)[chosen.value] ?? "");
+  }
+  for (const spot of section.querySelectorAll(".spots li")) {
+    const state = JSON.parse(spot.dataset.moves)[chosen.value];
+    spot.hidden = !state;
+    if (!state) continue;
+    const [x, low, high, time, standing, side] = state;
+    for (const [name, at] of Object.entries({ x, low, high })) spot.style.setProperty(`--${name}`, at);
+    spot.dataset.standing = standing;
+    spot.querySelector(".time").textContent = time;
+    spot.querySelector(".tag").dataset.side = side;
+  }
+  for (const spots of section.querySelectorAll(".spots")) stop(spots);
+}
+
+// A plot is one stop of the Tab key: the point last looked at, or the leftmost.
+function stop(spots, last) {
+  const at = (mark) => Number(mark.closest("li").style.getPropertyValue("--x"));
+  const marks = [...spots.querySelectorAll("li:not([hidden]) a")].sort((a, b) => at(a) - at(b));
+  for (const mark of spots.querySelectorAll("a")) mark.tabIndex = -1;
+  const place = last ?? marks[0];
+  if (place) place.tabIndex = 0;
+  return marks;
+}
+
+for (const spots of document.querySelectorAll(".spots")) {
+  stop(spots);
+  spots.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const marks = stop(spots);
+    const next = marks.at((marks.indexOf(document.activeElement) + step) % marks.length);
+    stop(spots, next);
+    next.focus();
+  });
+}
+
+// A heading sorts its table: first upwards, then downwards, what is unknown last.
+for (const button of document.querySelectorAll(".points thead button")) {
+  button.addEventListener("click", () => {
+    const head = button.closest("th");
+    const heads = [...head.parentElement.children];
+    const sign = head.ariaSort === "ascending" ? -1 : 1;
+    for (const other of heads) other.ariaSort = null;
+    head.ariaSort = sign === 1 ? "ascending" : "descending";
+    const text = (row) => row.cells[heads.indexOf(head)].dataset.value;
+    const key = (row) => (text(row) === "" ? Infinity : sign * Number(text(row)));
+    const body = button.closest("table").tBodies[0];
+    body.append(...[...body.rows].sort((a, b) => key(a) - key(b) || 0));
+  });
+}
+
 for (const section of document.querySelectorAll("[data-group]")) {
-  section.addEventListener("change", () => choose(section));
+  section.addEventListener("change", () => (choose(section), move(section)));
   choose(section);
 }
 for (const button of document.querySelectorAll("[data-copy]")) {

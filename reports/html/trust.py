@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
+from typing import Any
 
 from reports.html.figures import GAP, METRICS, NONE, half_width, percent, similarity
 from reports.html.verdict import against
@@ -30,7 +31,7 @@ def facts(results: Results) -> list[Fact]:
         _rows(results),
         *_references(results),
         Fact("Device", str(results.provenance.get("device", NONE))),
-        Fact("Versions", _versions(results)),
+        Fact("Versions", versions_of(results.provenance)),
     ]
 
 
@@ -109,8 +110,9 @@ def _references(results: Results) -> list[Fact]:
     return [Fact("References", text, bool(others), tuple(told))]
 
 
-def _versions(results: Results) -> str:
-    versions = results.provenance.get("versions")
+def versions_of(provenance: dict[str, Any]) -> str:
+    """The versions of the packages that a run names."""
+    versions = provenance.get("versions")
     if not isinstance(versions, dict):
         return NONE
     return ", ".join(f"{name} {version}" for name, version in versions.items())

@@ -1,0 +1,135 @@
+"""What the points say, in plain sentences."""
+
+import math
+from collections.abc import Sequence
+
+from markupsafe import Markup
+
+from reports.html.figures import digits, number, percent, seconds, size
+from reports.html.speed.scatter import FAMILIES, Quantity, error_of
+from reports.results import Figured
+from reports.speed.points import Bench, EqualError, Family, Growth, Point
+
+# "60 frames per second at a resolution of 1920 x 1080 on my laptop using an integrated Intel Iris
+# Plus 640 GPU": Cole, section IV.B.
+PAPER_SECONDS, PAPER_SIZE = 1 / 60, (1920, 1080)
+SIZE = "×".join(map(str, PAPER_SIZE))
+NEEDS: dict[Family, str] = {"path traced": "Mitsuba", "denoised": "denoised, it"}
+COSTS = {"frame": "frame time", "precomputation": "precomputation", "memory": "memory"}
+
+
+def headline(bench: Bench) -> str:
+    """What the run says of the paper's frame rate, or else what it holds."""
+    device = device_of(bench)
+    full = _at_paper_size(bench)
+    if not full:
+        cases = len({p.case for p in bench.points})
+        return f"Speed against error in {cases} case{'s' * (cases != 1)} on {device}"
+    reach = _reaching(full)
+    if reach:
+        verb = "reaches" if len(reach) == 1 else "reach"
+        return f"{', '.join(reach)} {verb} 60 frames per second at {SIZE} on {device}"
+    best = min(full, key=lambda p: p.frame.median)
+    return (
+        f"No technique reaches 60 frames per second at {SIZE} on {device}: "
+        f"the fastest, {best.name}, takes {seconds(best.frame.median)} a frame"
+    )
+
+
+def paper_rate(bench: Bench) -> str:
+    """The paper's frame rate beside ours; empty where its size was not drawn."""
+    full = sorted(_at_paper_size(bench), key=lambda p: p.frame.median)
+    if not full:
+        return ""
+    rates = ", ".join(f"{p.name} {digits(1 / p.frame.median)}" for p in full[:6])
+    reach = ", ".join(_reaching(full)) or "no technique"
+    return (
+        f"The paper tells of 60 frames per second ({seconds(PAPER_SECONDS)} a frame) at {SIZE} on "
+        f"an Intel Iris Plus 640. On {device_of(bench)}, {reach} does so in three of four frames. "
+        f"Frames per second at that size: {rates}."
+    )
+
+
+def device_of(bench: Bench) -> str:
+    """What drew."""
+    return str(bench.provenance.get("device", "a device that the run does not name"))
+
+
+def verdict_of(
+    point: Point, object_name: str, quantity: Quantity, equal: Sequence[EqualError]
+) -> str:
+    """One technique's time and error, and what path tracing needs to be as good."""
+    error = quantity.of(error_of(point, object_name))
+    said = f"{seconds(point.frame.median)} a frame, {quantity.inline} {quantity.show(error.value)}."
+    found = {
+        e.against: e for e in equal
+        if (e.case, e.object, e.technique, e.figure)
+        == (point.case, object_name, point.name, quantity.field)
+    }  # fmt: skip
+    needs = [_need(found[f]) for f in FAMILIES if f in found]
+    if not needs:
+        return said
+    whole = "; ".join(needs)
+    return f"{said} {whole[0].upper()}{whole[1:]}."
+
+
+def _need(equal: EqualError) -> str:
+    """What one path tracer needs to be as good as a technique."""
+    who = NEEDS.get(equal.against, equal.against)
+    if equal.beyond == "above":
+        return f"{who} does not get as good with the samples that were measured"
+    if equal.beyond == "below":
+        return f"{who} is better at once, with 1 sample{_time(equal)}"
+    count = digits(equal.samples.value)
+    plural = "" if count == "1" else "s"
+    return f"{who} needs {count} sample{plural}{_ends(equal.samples)} to be as good{_time(equal)}"
+
+
+def _time(equal: EqualError) -> str:
+    """The seconds that takes, beside the technique's frame; empty where they are unknown."""
+    ratio = equal.ratio.value
+    if not math.isfinite(equal.seconds.value):
+        return ""
+    took = f": {seconds(equal.seconds.value)}"
+    if not math.isfinite(ratio):
+        return took
+    beside = f"{digits(ratio)} times as long" if ratio >= 1 else f"{percent(ratio)} of the time"
+    scaled = equal.ratio
+    if ratio < 1:
+        scaled = Figured(value=100 * ratio, low=100 * scaled.low, high=100 * scaled.high)
+    return f"{took}, {beside}{_ends(scaled)}"
+
+
+def _ends(figure: Figured) -> str:
+    """An interval in brackets; nothing where it is unknown or too narrow to tell."""
+    low, high = digits(figure.low), digits(figure.high)
+    known = math.isfinite(figure.low) and math.isfinite(figure.high) and low != high
+    return f" ({low} to {high})" if known else ""
+
+
+def growth(found: Growth) -> Markup:
+    """How one cost grows, as HTML: 'paper: frame time grows as pixels to 0.86 (0.83 to 0.90)'."""
+    power, named = found.exponent, (found.technique, COSTS[found.cost], found.over)
+    if not math.isfinite(power.value):
+        return Markup("<b>{}</b>: noise hides how {} grows with {}").format(*named)
+    ends = ""
+    if math.isfinite(power.low) and math.isfinite(power.high):
+        ends = f" ({number(power.low, 2)} to {number(power.high, 2)})"
+    show = size if found.cost == "memory" else seconds
+    base = f", beside {show(found.base)} that do not grow" if found.base > 0 else ""
+    raised = Markup("<b>{}</b>: {} grows as {}<sup>{}</sup>").format(*named, number(power.value, 2))
+    return raised + ends + base
+
+
+def _at_paper_size(bench: Bench) -> list[Point]:
+    return [
+        p for p in bench.points
+        if p.family == "real-time" and (p.width, p.height) == PAPER_SIZE
+        and math.isfinite(p.frame.median)
+    ]  # fmt: skip
+
+
+def _reaching(points: Sequence[Point]) -> list[str]:
+    """The techniques whose slow quartile is fast enough wherever they were timed at that size."""
+    names = dict.fromkeys(p.name for p in points)
+    return [n for n in names if all(p.frame.high <= PAPER_SECONDS for p in points if p.name == n)]
