@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reports.metrics.energy import block_sums
+from reports.metrics.energy import block_sums, block_weights, worst_channel
 from reports.noise import Estimate, combined, jackknife, pairs, pairs_without_each
 from reports.results import Cause, Figured, Ladder, Row
 from scenes.frame import Frame
@@ -257,19 +257,21 @@ class Local:
     """Errors in blocks, as signed shares of local energy; cells are blocks of one channel.
 
     With e the total error of a block over its truth, local energy is the root L of the weighted
-    mean of e². A cause with error s in the blocks has the share mean(s e) / L: shares are signed,
-    and those of causes that sum to e sum to L. s and e come from different batches.
+    mean of e², in the same channel and by the same weights as the row's `energy_local`, but of a
+    half of the batches. A cause with error s in the blocks has the share mean(s e) / L: shares are
+    signed, and those of causes that sum to e sum to L. s and e come from different batches.
     """
 
     def __init__(self, blocks: Pictures, pixels: np.ndarray, last: str, other: int) -> None:
         self.blocks, self.whole, self.other = blocks, ((1, "candidate"), (-1, last)), other
         self.dof = blocks.least() // 2 - 1
-        truth = blocks.total([(1, last)])[0]
-        lit = truth > 0
-        weights = pixels / pixels[::3].sum() / np.where(lit, truth, np.inf) ** 2
         self.error, self.noise = zip(*(blocks.total(self.whole, h) for h in (0, 1)), strict=True)
-        channel = int(np.argmax((weights * self.error[0] * self.error[1]).reshape(-1, 3).sum(0)))
-        self.weights = np.where(np.arange(truth.size) % 3 == channel, weights, 0)
+        candidate, batches = (
+            blocks.cells[n].reshape(-1, pixels.size // 3, 3) for n in ("candidate", last)
+        )
+        channel = worst_channel(pixels[::3], candidate[0], batches)
+        weights = block_weights(pixels[::3], batches.mean(axis=0))
+        self.weights = np.where(np.arange(3) == channel, weights, 0).ravel()
         own = blocks.cells["candidate"] - blocks.cells[last][other::2]
         products = self.weights * own[:, None] * own
         cells = pairs(products)

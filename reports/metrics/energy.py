@@ -73,37 +73,51 @@ def energy_error(subject: Subject, channel: int | None = None) -> Estimate:
 def energy_local(subject: Subject) -> Estimate:
     """Mean square of the energy error over 16x16 blocks, the worst channel, without noise.
 
-    Blocks count by their pixels on the object. The square is estimated without bias from pairs
-    of batches, and may come out below zero. Light in a block and channel where the truth has none
-    counts against the channel's mean block, or as infinite where the truth is black altogether.
-    Blocks share no pixel, so their variances add up. Where the error is nought the jackknife
-    gives up to twice the variance, which is left standing, for the sake of heavy tails.
+    The square is estimated without bias from pairs of batches, and may come out below zero. Light
+    in a channel where the truth is black altogether counts as infinite. Blocks share no pixel, so
+    their variances add up. Where the error is nought the jackknife gives up to twice the variance,
+    which is left standing, for the sake of heavy tails.
     """
-    weights, candidate, batches = _blocks(subject)
-    weights = weights / weights.sum()
-    black = batches.sum(axis=(0, 1)) == 0
-    if candidate[:, black].any():
+    pixels, candidate, batches = _blocks(subject)
+    if candidate[:, batches.sum(axis=(0, 1)) == 0].any():
         return Estimate(math.inf)
-
-    def squares(products: np.ndarray, truth: np.ndarray) -> np.ndarray:
-        """Relative squares (..., b, 3) from unbiased squares of the differences of light."""
-        scale = np.where(truth > 0, truth, truth.mean(axis=-2, keepdims=True))
-        return weights[:, None] * products / np.where(black, 1, scale) ** 2
-
     errors = candidate - batches
     products = errors[:, None] * errors
     truth = batches.mean(axis=0)
-    blocks = squares(pairs(products), truth)
-    worst = int(np.argmax(blocks.sum(axis=0)))
+    blocks = block_weights(pixels, truth) * pairs(products)
+    worst = worst_channel(pixels, candidate, batches)
     if len(batches) < 3:
         return unknown(float(blocks.sum(axis=0)[worst]))
-    replicates = squares(pairs_without_each(products), without_each(batches))
+    replicates = block_weights(pixels, without_each(batches)) * pairs_without_each(products)
     value = float(corrected(blocks, replicates)[:, worst].sum())
     noise = batches.std(axis=0, ddof=1) / math.sqrt(len(batches))
     unstable = (noise > UNSTABLE * truth) & (truth > 0)
-    if weights[unstable[:, worst]].sum() > SHARE:
+    if pixels[unstable[:, worst]].sum() > SHARE * pixels.sum():
         return unknown(value)
     return Estimate(value, *combined(jackknife(replicates)[:, worst], len(batches) - 1))
+
+
+def block_weights(pixels: np.ndarray, truth: np.ndarray) -> np.ndarray:
+    """What a squared difference of light in a block counts, (..., b, 3).
+
+    Blocks count by their pixels on the object, (b,), and differences relative to the truth's light
+    in the block, (..., b, 3), or in the channel's mean block where the truth has none. A channel
+    that is black altogether counts nothing.
+    """
+    mean = truth.mean(axis=-2, keepdims=True)
+    scale = np.where(truth > 0, truth, np.where(mean > 0, mean, np.inf))
+    return (pixels / pixels.sum())[:, None] / scale**2
+
+
+def worst_channel(pixels: np.ndarray, candidate: np.ndarray, batches: np.ndarray) -> int:
+    """The channel whose local energy error is the largest.
+
+    Args:
+        pixels, candidate, batches: of the object's blocks, (b,), (b, 3) and (n, b, 3).
+    """
+    errors = candidate - batches
+    squares = block_weights(pixels, batches.mean(axis=0)) * pairs(errors[:, None] * errors)
+    return int(np.argmax(squares.sum(axis=0)))
 
 
 def rooted(square: Estimate) -> tuple[float, float, float]:

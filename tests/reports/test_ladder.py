@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from reports.compare import Truth, compare
 from reports.ladder import RUNGS, Drawn, ladder
+from reports.metrics import energy
 from reports.metrics.energy import BLOCK
 from reports.results import Row
 from scenes.frame import Frame
@@ -263,3 +265,20 @@ def test_a_right_candidate_has_no_shares_and_its_sum_still_closes(seed):
     found = climbed(Drawn(TRUTHS["physical"]), traced(seed=seed))
     assert found.closes
     assert abs(found.total.energy.value) < 0.002
+
+
+@pytest.mark.parametrize("dark", [None, 0, 2], ids=["lit", "a dark block", "another channel's"])
+def test_local_energy_is_the_rows_where_there_is_no_noise(dark):
+    """The worst channel is that of the row, though a block of it has no light to divide by."""
+    truths = {r: TRUTHS[r].copy() for r in RUNGS}
+    candidate = truths["global"] * [1.1, 0.8, 1.0]
+    if dark is not None:
+        for light in truths.values():
+            light[:BLOCK, :BLOCK, dark] = 0
+        candidate[:BLOCK, :BLOCK, dark] = 4.0
+    frames = {r: batches(light, seed=1, noise=0) for r, light in truths.items()}
+    candidate = candidate.astype(np.float32)
+    total = ladder(CASE, THING, "paper", Drawn(candidate), frames, []).total.local.value
+    truth = Truth(CASE, "physical", frames["physical"], {"thing": 1.0})
+    figures = compare(CASE, THING, Frame(candidate, IDS), truth, [energy.figures])
+    assert total == pytest.approx(figures["energy_local"], rel=1e-9)
