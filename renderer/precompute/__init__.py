@@ -13,10 +13,10 @@ from scenes.schema import file_digest
 
 Maps = dict[str, moderngl.Texture]
 BASE = "radiance_map"
-# Each maker takes the radiance map and returns one or more maps by name.
-MAKERS: dict[str, Callable[[moderngl.Texture], Maps]] = {
+# Each maker takes the radiance map and the names of what is wanted, and returns just that.
+MAKERS: dict[str, Callable[[moderngl.Texture, Collection[str]], Maps]] = {
     "irradiance_map": irradiance.make,
-    "irradiance_map_fine": irradiance.make_fine,
+    "irradiance_map_fine": irradiance.make,
     "prefiltered_ggx": prefilter.make,
     "prefiltered_beckmann": prefilter.make,
     "table_ggx": brdf_table.make,
@@ -31,31 +31,34 @@ class Precomputed:
 
     Attributes:
         maps: by the name of their sampler in GLSL; always holds "radiance_map".
-        seconds: time spent making each, by name.
+        seconds: time spent, by the names that were made together.
     """
 
     def __init__(self, path: Path) -> None:
         start = perf_counter()
         self.maps: Maps = {BASE: radiance.make(path)}
         context().finish()
-        self.seconds = {BASE: perf_counter() - start}
+        self.seconds = {(BASE,): perf_counter() - start}
 
     def cost(self, names: Collection[str]) -> float:
         """Seconds that the named maps took, with the radiance map under them all.
 
-        Maps that are made together count in full for each.
+        Maps that were made together count in full for each.
         """
-        makers = {MAKERS[n] for n in names}
-        return sum(s for n, s in self.seconds.items() if n == BASE or MAKERS[n] in makers)
+        wanted = {BASE, *names}
+        return sum(seconds for made, seconds in self.seconds.items() if wanted & set(made))
 
     def need(self, names: Iterable[str]) -> None:
-        """Make the named maps that are not there yet."""
+        """Make the named maps that are not there yet, those of one maker together."""
+        lacking: dict[Callable, list[str]] = {}
         for name in names:
             if name not in self.maps:
-                start = perf_counter()
-                self.maps |= MAKERS[name](self.maps[BASE])
-                context().finish()
-                self.seconds[name] = perf_counter() - start
+                lacking.setdefault(MAKERS[name], []).append(name)
+        for make, together in lacking.items():
+            start = perf_counter()
+            self.maps |= make(self.maps[BASE], together)
+            context().finish()
+            self.seconds[tuple(together)] = perf_counter() - start
 
 
 def precomputed(path: Path) -> Precomputed:

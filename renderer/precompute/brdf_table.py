@@ -7,6 +7,7 @@ its own, over n.v at its own roughness and weights: a row of 128 texels costs a 
 table, and a suite asks for far fewer surfaces than a table has rows.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cache
 from time import perf_counter
@@ -23,32 +24,32 @@ SAMPLES = 1024
 FINE_SIZE, FINE_SAMPLES = (256, 256), 4096
 
 
-def make(_radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
-    """Two float32 RGBA textures, D_ggx and D_beckmann; xy with G_smith, zw with G_vcavity.
+def make(_radiance: moderngl.Texture, names: Collection[str]) -> dict[str, moderngl.Texture]:
+    """A float32 RGBA texture per lobe of D: scale and bias with G_smith, in zw with G_vcavity.
 
-    x is n.v, y is roughness. The environment is not read.
+    x is n.v, y is roughness. The environment is not read: all share them.
     """
-    return _made(SIZE, SAMPLES, "")
+    return {name: _made(name, SIZE, SAMPLES) for name in names}
 
 
-def make_fine(_radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
+def make_fine(_radiance: moderngl.Texture, names: Collection[str]) -> dict[str, moderngl.Texture]:
     """The same with a quarter of the texels' area and 4 times the samples."""
-    return _made(FINE_SIZE, FINE_SAMPLES, "_fine")
+    return {name: _made(name, FINE_SIZE, FINE_SAMPLES) for name in names}
 
 
-def _made(size: tuple[int, int], samples: int, ending: str) -> dict[str, moderngl.Texture]:
+@cache  # whatever the environment
+def _made(name: str, size: tuple[int, int], samples: int) -> moderngl.Texture:
     gl = context()
-    names = [f"table_ggx{ending}", f"table_beckmann{ending}"]
-    made = {name: gl.texture(size, 4, dtype="f4") for name in names}
-    for texture in made.values():
-        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        texture.repeat_x = texture.repeat_y = False
-    shader = program("fullscreen.vert", "brdf_table.frag")
+    texture = gl.texture(size, 4, dtype="f4")
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    texture.repeat_x = texture.repeat_y = False
+    lobe = "D_BECKMANN" if "beckmann" in name else "D_GGX"
+    shader = program("fullscreen.vert", "brdf_table.frag", frozenset({lobe}))
     set_uniforms(shader, count=samples)
-    framebuffer = gl.framebuffer(list(made.values()))
+    framebuffer = gl.framebuffer([texture])
     fill(framebuffer, shader)
     release(framebuffer)
-    return made
+    return texture
 
 
 @dataclass(frozen=True, eq=False)

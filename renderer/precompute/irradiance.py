@@ -1,24 +1,21 @@
 """The paper's irradiance map: 16x16 texels, lat-long, read with bilinear interpolation."""
 
+from collections.abc import Collection
+
 import moderngl
 
 from renderer.context import context
 from renderer.program import bind_maps, fill, program, set_uniforms
 from renderer.targets import release
 
-SIZE = (16, 16)
-FINE_SIZE = (64, 64)
+# The fine one's texels are a 16th as large, and its interpolation errs a 16th as much.
+SIZES = {"irradiance_map": (16, 16), "irradiance_map_fine": (64, 64)}
 SUMMED_WIDTH = 256  # the cosine is so smooth that finer levels of the environment add nothing
 
 
-def make(radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
-    """Irradiance E(n) as a float32 RGBA texture."""
-    return {"irradiance_map": _made(radiance, SIZE)}
-
-
-def make_fine(radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
-    """The same in texels a 16th as large, whose interpolation errs a 16th as much."""
-    return {"irradiance_map_fine": _made(radiance, FINE_SIZE)}
+def make(radiance: moderngl.Texture, names: Collection[str]) -> dict[str, moderngl.Texture]:
+    """Irradiance E(n) as float32 RGBA textures."""
+    return {name: _made(radiance, SIZES[name]) for name in names}
 
 
 def _made(radiance: moderngl.Texture, size: tuple[int, int]) -> moderngl.Texture:

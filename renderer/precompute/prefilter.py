@@ -1,5 +1,7 @@
 """The prefiltered environment: one mip level per roughness, for GGX and for Beckmann."""
 
+from collections.abc import Collection
+
 import moderngl
 
 from renderer.context import context
@@ -12,12 +14,16 @@ LEVELS = 6  # roughness 0, .2, .4, .6, .8, 1
 SAMPLES = 1024
 
 
-def make(radiance: moderngl.Texture) -> dict[str, moderngl.Texture]:
-    """Both lobes as float32 RGBA textures: rgb the weighted radiance, a the sum of weights."""
+LOBES = {"prefiltered_ggx": "D_GGX", "prefiltered_beckmann": "D_BECKMANN"}  # as in the shader
+
+
+def make(radiance: moderngl.Texture, names: Collection[str]) -> dict[str, moderngl.Texture]:
+    """The named lobes as float32 RGBA textures: rgb weighted radiance, a the sum of weights."""
     gl = context()
-    shader = program("fullscreen.vert", "prefilter.frag")
+    wanted = {name: lobe for name, lobe in LOBES.items() if name in names}
+    shader = program("fullscreen.vert", "prefilter.frag", frozenset(wanted.values()))
     made = {}
-    for name in ("prefiltered_ggx", "prefiltered_beckmann"):
+    for name in wanted:
         made[name] = gl.texture(SIZE, 4, dtype="f4")
         made[name].build_mipmaps(max_level=LEVELS - 1)
         made[name].filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)

@@ -4,21 +4,30 @@
 #include "hammersley.glsl"
 #include "ndf_ggx.glsl"
 #include "sample_ggx.glsl"
+#include "beckmann_over_ggx.glsl"
+#ifdef D_GGX
+#define AFTER_GGX 1
+#else
+#define AFTER_GGX 0
+#endif
 in vec2 uv;
 uniform float alpha;
 uniform int count;
 uniform vec2 size; // of the level that is made
+#ifdef D_GGX
 layout(location = 0) out vec4 ggx;
-layout(location = 1) out vec4 beckmann;
+#endif
+#ifdef D_BECKMANN
+layout(location = AFTER_GGX) out vec4 beckmann;
+#endif
 
-// Karis 2013: n = v = r, weighted by n.l. GGX samples serve both lobes (the paper, III.D): those
-// of Beckmann carry D_beckmann / D_ggx, which depends on tan²/alpha² alone.
+// Karis 2013: n = v = r, weighted by n.l. GGX samples serve both lobes (the paper, III.D).
 void main() {
     vec3 n = direction_from_latlong(uv, 0.0);
     mat3 to_world = tangent_frame(n);
     // No sample need see finer than the texels that it is stored in.
     float texels = size.x * size.y / (2.0 * PI * PI * max(length(n.xy), 0.5 / size.y));
-    ggx = beckmann = vec4(0.0);
+    vec4 sum_ggx = vec4(0.0), sum_beckmann = vec4(0.0);
     for (int i = 0; i < count; ++i) {
         vec3 h = sample_ggx(hammersley(uint(i), uint(count)), alpha);
         vec3 wi = reflect(vec3(0.0, 0.0, -1.0), h);
@@ -27,10 +36,13 @@ void main() {
         float pdf = D_ggx(h, alpha) * 0.25; // D h.z / (4 wo.h) with wo = n
         float lod = radiance_lod(world, min(float(count) * pdf, texels), 1.0);
         vec4 term = wi.z * vec4(radiance(world, lod), 1.0);
-        float t = dot(h.xy, h.xy) / (alpha * alpha * h.z * h.z);
-        ggx += term;
-        beckmann += term * exp(-t) * (1.0 + t) * (1.0 + t);
+        sum_ggx += term;
+        sum_beckmann += term * beckmann_over_ggx(h, alpha);
     }
-    ggx /= float(count);
-    beckmann /= float(count);
+#ifdef D_GGX
+    ggx = sum_ggx / float(count);
+#endif
+#ifdef D_BECKMANN
+    beckmann = sum_beckmann / float(count);
+#endif
 }

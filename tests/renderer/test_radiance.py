@@ -10,6 +10,7 @@ from renderer.probe import probe
 # Of a turn. GLSL promises atan to 4,096 ULP only (GLSL 4.60, 4.7.1), which is 1.6e-4; drivers come
 # to about 1e-6. This is 1/15 texel of the widest map there can be, 16,384 texels.
 UV_ERROR = 4e-6
+MAP = ("irradiance_map",)
 SIZES = [(16, 32), (256, 512), (15, 31), (7, 13), (1, 2), (2, 2), (3, 5)]
 
 
@@ -135,7 +136,7 @@ def normals_of(size: tuple[int, int]) -> np.ndarray:
 
 @pytest.mark.parametrize("size", [*SIZES, (512, 1024)], ids=str)
 def test_irradiance_of_constant_light_is_pi_everywhere(light, size):
-    made = irradiance.make(make(light((0.5, 1.0, 4.0), size)))["irradiance_map"]
+    made = irradiance.make(make(light((0.5, 1.0, 4.0), size)), MAP)["irradiance_map"]
     assert made.size == (16, 16)
     # At least 128x64 cells: the midpoint rule errs by up to 6e-4.
     np.testing.assert_allclose(
@@ -148,7 +149,7 @@ def test_irradiance_of_one_bright_texel_is_a_cosine(light, row):
     height, width, column = 256, 512, 77
     sun = np.zeros((height, width, 3))
     sun[row, column] = 1e5
-    made = texels(irradiance.make(make(light(sun)))["irradiance_map"])[..., 0]
+    made = texels(irradiance.make(make(light(sun)), MAP)["irradiance_map"])[..., 0]
     theta, phi = row * np.pi / (height - 1), (column + 0.5) / width * 2 * np.pi
     to_sun = [np.sin(phi) * np.sin(theta), np.cos(phi) * np.sin(theta), np.cos(theta)]
     power = 1e5 * 2 * np.pi / width * band_weights(height, height)[row]
@@ -158,7 +159,7 @@ def test_irradiance_of_one_bright_texel_is_a_cosine(light, row):
 
 
 def test_prefiltered_constant_light_is_constant_at_every_weight(light):
-    made = prefilter.make(make(light((0.5, 1.0, 4.0))))
+    made = prefilter.make(make(light((0.5, 1.0, 4.0))), prefilter.LOBES)
     for level in range(prefilter.LEVELS):
         ggx, beckmann = (texels(made[f"prefiltered_{n}"], level) for n in ("ggx", "beckmann"))
         assert min(ggx[..., 3].min(), beckmann[..., 3].min()) > 0
@@ -171,7 +172,7 @@ def test_prefiltered_constant_light_is_constant_at_every_weight(light):
 def test_prefiltered_light_is_symmetric_about_a_symmetric_sky(light):
     sky = np.zeros((64, 128, 3))
     sky[:20] = 1.0
-    for texture in prefilter.make(make(light(sky))).values():
+    for texture in prefilter.make(make(light(sky)), prefilter.LOBES).values():
         for level in range(prefilter.LEVELS):
             made = texels(texture, level)
             found = made[..., 0] / made[..., 3]
@@ -184,7 +185,29 @@ def test_maps_are_made_once_and_only_when_needed(light):
     maps = Precomputed(light(1.0))
     assert set(maps.maps) == {"radiance_map"}
     maps.need(("prefiltered_ggx",))
+    assert set(maps.maps) == {"radiance_map", "prefiltered_ggx"}
     first = maps.maps["prefiltered_ggx"]
     maps.need(("prefiltered_ggx", "prefiltered_beckmann"))
     assert maps.maps["prefiltered_ggx"] is first
-    assert set(maps.seconds) == {"radiance_map", "prefiltered_ggx"}
+    ways = {("radiance_map",), ("prefiltered_ggx",), ("prefiltered_beckmann",)}
+    assert set(maps.seconds) == ways
+    assert maps.cost(("prefiltered_ggx",)) == sum(
+        maps.seconds[made] for made in (("radiance_map",), ("prefiltered_ggx",))
+    )
+
+
+def test_a_lobe_is_the_same_made_alone_or_beside_the_other(light):
+    sky = np.random.default_rng(0).uniform(0.5, 1.5, (32, 64, 3))
+    base = make(light(sky))
+    both = prefilter.make(base, prefilter.LOBES)
+    for name in prefilter.LOBES:
+        (alone,) = prefilter.make(base, (name,)).values()
+        for level in range(prefilter.LEVELS):
+            np.testing.assert_allclose(texels(alone, level), texels(both[name], level), rtol=1e-6)
+
+
+def test_tables_serve_every_environment(light):
+    first, second = Precomputed(light(1.0)), Precomputed(light(2.0))
+    for maps in (first, second):
+        maps.need(("table_ggx",))
+    assert first.maps["table_ggx"] is second.maps["table_ggx"]
