@@ -102,7 +102,8 @@ class EqualError(Record):
 class Growth(Record):
     """How a cost grows: `exponent` is the slope of log cost over log size, with its interval.
 
-    `base` is a cost that does not grow, taken off before the fit; 0 where none was found.
+    `base` is a cost that does not grow, fitted beside it; 0 where none was found. `frames` says how
+    many warm frames each value is the median of; one for what is not a frame.
     """
 
     over: Literal["pixels", "triangles", "materials", "samples", "environment"]
@@ -110,6 +111,7 @@ class Growth(Record):
     cost: Literal["frame", "precomputation", "memory"]
     sizes: list[float]
     values: list[Figure]
+    frames: list[int] = Field(default_factory=list)
     exponent: Figured
     base: Figure = 0.0
 
