@@ -4,9 +4,12 @@ import json
 import shutil
 import sys
 
+import numpy as np
 import pytest
 
 from reports.cli import main
+from scenes.frame import Frame, save_frame
+from tests.reports.pages import HEIGHT, WIDTH
 
 
 @pytest.fixture(scope="session")
@@ -50,4 +53,17 @@ def tiny(shadeproof, tmp_path_factory):
 def pictures(tiny, tmp_path):
     """A folder of EXRs as an outside renderer would leave: here, our own pictures."""
     shutil.copy(tiny / "frames/contact.studio/sampled.exr", tmp_path / "contact.studio.exr")
+    return tmp_path
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Frames of two squares: the candidate is 10 % too bright on the left one."""
+    ids = np.zeros((HEIGHT, WIDTH), np.uint8)
+    ids[8:40, 8:40], ids[8:40, 56:88] = 1, 2
+    truth = np.random.default_rng(1).uniform(0.5, 1, (HEIGHT, WIDTH, 3)).astype(np.float32)
+    candidate = truth * np.where(ids == 1, np.float32(1.1), 1)[..., None]
+    save_frame(Frame(candidate), tmp_path / "paper.exr")
+    for name in ("a.exr", "b.exr"):
+        save_frame(Frame(truth, ids), tmp_path / name)
     return tmp_path
