@@ -104,7 +104,7 @@ def line_chart(
         titlePadding=14,
         symbolSize=60,
         symbolOpacity=1,
-        columns=0 if series_title else 2,  # 0 is one row: names under a title are short
+        columns=0 if series_title else 3,  # 0 is one row: names under a title are short
     )
     styles_key = alt.Legend(
         title=None,

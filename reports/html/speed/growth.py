@@ -10,6 +10,7 @@ from reports.html.speed.words import COSTS
 from reports.results import Figured
 from reports.speed.points import Growth, LobeSampling
 
+SAMPLERS = {"ggx": "GGX", "mixture": "mixture", "beckmann": "Beckmann"}
 UNKNOWN = Figured(value=math.nan, low=math.nan, high=math.nan)
 
 
@@ -63,7 +64,7 @@ def _lobe_chart(here: Sequence[LobeSampling], axis: LogAxis) -> Chart:
         at = {s.weight: s.samples for s in here if (s.sampler, s.points) == (sampler, points)}
         found = [at.get(w, UNKNOWN) for w in x]
         ends = [(f.low, f.high) for f in found]
-        lines.append(Line(sampler, points, [f.value for f in found], ends))
+        lines.append(Line(SAMPLERS[sampler], points, [f.value for f in found], ends))
     return line_chart(
         f"Roughness {roughness:g}, n·v {cos_theta:g}",
         f"Directions to 1 % in {light}, from {digits(_least(lines))} to {digits(_most(lines))}.",

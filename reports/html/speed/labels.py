@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 from reports.speed.pareto import Standing
 
-WIDTH, HEIGHT = 360, 230  # px: a plot on a narrow screen
-LETTER, LINE, MARK = 6.2, 13, 10  # px: width of a letter, height of a label, size of a mark
+WIDTH, HEIGHT = 310, 250  # px: a plot on a narrow screen
+LETTER, LINE, MARK = 5.9, 12, 10  # px: width of a letter, height of a label, size of a mark
 # Lines fall from left to right and the front's stair leaves a point to the right, so that the
 # corners below on the left and above on the right are the clearest.
-SIDES = ("below-left", "above-right", "left", "right", "below", "above")
+SIDES = (
+    "below-left", "above-right", "left", "right", "below", "above", "below-right", "above-left",
+)  # fmt: skip
 ORDER: dict[Standing | None, int] = {"front": 0, "near": 1, "beaten": 2, None: 3}
 Box = tuple[float, float, float, float]
 
@@ -56,6 +58,8 @@ def _box(label: Label, side: str) -> Box:
         "mark": (x - MARK / 2, y - MARK / 2, x + MARK / 2, y + MARK / 2),
         "below-left": (x - near - wide, y + near, x - near, y + near + LINE),
         "above-right": (x + near, y - near - LINE, x + near + wide, y - near),
+        "below-right": (x + near, y + near, x + near + wide, y + near + LINE),
+        "above-left": (x - near - wide, y - near - LINE, x - near, y - near),
         "right": (x + gap, y - LINE / 2, x + gap + wide, y + LINE / 2),
         "left": (x - gap - wide, y - LINE / 2, x - gap, y + LINE / 2),
         "above": (middle[0], y - gap - LINE, middle[1], y - gap),

@@ -23,10 +23,12 @@ FEW = 8  # techniques, of which each is told of in a sentence
 class PlotView:
     """A plot, and what it says of each technique, the fastest first.
 
-    Where there are many techniques, `others` are those off the front.
+    `first` is that of the technique that the suite names first, if it is on the plot. Where there
+    are many techniques, `others` are those off the front.
     """
 
     plot: Plot
+    first: list[tuple[str, str]]
     told: list[tuple[str, str]]
     others: list[tuple[str, str]]
 
@@ -134,17 +136,18 @@ def _object(
 
 def _plot(plot: Plot, object_name: str, bench: Bench) -> PlotView:
     real = [s for s in plot.spots if s.point.family == "real-time" and "warm" in s.states]
+    first = [s.point.name for s in real[:1]]
+    shown = {s.point.name for s in real if len(real) <= FEW or s.states["warm"].standing == "front"}
     real.sort(key=lambda s: s.point.frame.median)
-    few = len(real) <= FEW
-    told = [
-        (few or s.states["warm"].standing == "front", s.point.name,
-         words.verdict_of(s.point, object_name, plot.quantity, bench.equal))
+    told = {
+        s.point.name: words.verdict_of(s.point, object_name, plot.quantity, bench.equal)
         for s in real
-    ]  # fmt: skip
+    }
     return PlotView(
         plot,
-        told=[(name, said) for first, name, said in told if first],
-        others=[(name, said) for first, name, said in told if not first],
+        first=[(n, told[n]) for n in first],
+        told=[(n, said) for n, said in told.items() if n in shown and n not in first],
+        others=[(n, said) for n, said in told.items() if n not in shown and n not in first],
     )
 
 
