@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 
 import pytest
 
+from reports.html import write_report
 from reports.html.figures import digits, seconds, size
 from reports.html.logaxis import LogAxis
 from reports.html.speed import speed_of, write_page
@@ -17,7 +18,7 @@ from reports.html.speed.labels import Label, places
 from reports.html.speed.scatter import MODES, plots
 from reports.html.speed.view import speed_view
 from reports.html.speed.words import growth, headline, paper_rate, verdict_of
-from reports.results import Figured
+from reports.results import Figured, Results
 from reports.speed.points import (
     Bench,
     EqualError,
@@ -277,6 +278,31 @@ def test_a_damaged_bench_is_told_and_not_fatal(tmp_path):
     assert "is no bench.json of schema" in speed_of(tmp_path)
     save_bench(small_bench(points=lonely()), tmp_path / "bench.json")
     assert speed_of(tmp_path).cases[0].name == "lonely <i>"
+
+
+def report(folder):
+    """The report of a run that compared nothing."""
+    run = Results(
+        suite="s", suite_path="s.toml", description="d", command="c", created="t", seconds=1,
+        provenance={}, allow_inconclusive=False, expected_rows=0, missing=[], skipped=[],
+        cases=[], budgets=[], rows=[], verdict="fail", reasons=["nothing"],
+    )  # fmt: skip
+    return Page(write_report(run, folder).read_text(encoding="utf-8"))
+
+
+def test_the_report_shows_the_bench_that_lies_beside_it(tmp_path):
+    assert "Speed against error" not in report(tmp_path).words
+    save_bench(small_bench(points=bunnies()), tmp_path / "bench.json")
+    shown = report(tmp_path)
+    ids = [a["id"] for _, a in shown.elements if "id" in a]
+    assert len(ids) == len(set(ids)) and "speed" in ids
+    assert "No technique reaches 60 frames per second" in shown.words
+    assert len([a for a in shown.of("li") if "data-moves" in a]) == 6 * len(bunnies())
+
+
+def test_the_report_stands_where_its_bench_is_damaged(tmp_path):
+    (tmp_path / "bench.json").write_text('{"schema_version": 7}')
+    assert "is no bench.json of schema 1" in report(tmp_path).words
 
 
 def local(points, name="copper", modes=MODES):
