@@ -12,6 +12,7 @@ from reports.rows import judged_rows
 from scenes.environment import read_pixels
 from scenes.frame import Frame, load_frame, save_frame
 from scenes.suite import HERE, expand, load_suite
+from tests.reports.small import small_suite
 
 CASE = "contact.studio"
 
@@ -178,27 +179,14 @@ def test_a_failing_command_fails_its_own_rows(shadeproof, tmp_path, body, proble
     assert all(problem in r.problem and r.verdict == "fail" for r in rows)
 
 
-SUITE = """
-description = "one case"
-techniques = ["paper"]
-truths = ["unoccluded"]
-[reference]
-samples_per_batch = 16
-max_samples = 128
-[[run]]
-scene = "contact"
-environments = ["studio"]
-resolution = [96, 72]
-[[budget]]
-technique = "paper"
-truth = "unoccluded"
-energy_local = {limit}
-"""
+def limited(limit):
+    """A small suite with a budget of local energy."""
+    return small_suite(budget=f"energy_local = {limit}")
 
 
 def test_a_filtered_run_says_what_it_skipped(shadeproof, tmp_path):
     suite = tmp_path / "mine.toml"
-    text = SUITE.format(limit=10.0).replace('["studio"]', '["studio", "sunset"]')
+    text = limited(10.0).replace('["studio"]', '["studio", "sunset"]')
     suite.write_text(text)
     words = ("gate", "--suite", suite, "--filter", "studio", "--out", tmp_path / "out")
     code, out, _ = shadeproof(*words)
@@ -212,11 +200,11 @@ def test_a_filtered_run_says_what_it_skipped(shadeproof, tmp_path):
 
 def test_a_failed_run_leaves_no_earlier_verdict(shadeproof, tmp_path):
     suite = tmp_path / "mine.toml"
-    suite.write_text(SUITE.format(limit=10.0))
+    suite.write_text(limited(10.0))
     assert shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")[0] == 0
     off_screen = (HERE / "contact.toml").read_text().replace("[0.0, 0.0, 1.0]", "[0.0, 0.0, 99.0]")
     (tmp_path / "away.toml").write_text(off_screen)
-    suite.write_text(SUITE.format(limit=10.0).replace('"contact"', '"away.toml"'))
+    suite.write_text(limited(10.0).replace('"contact"', '"away.toml"'))
     code, _, err = shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")
     assert code == 2
     assert "object 'sphere'" in err
@@ -226,7 +214,7 @@ def test_a_failed_run_leaves_no_earlier_verdict(shadeproof, tmp_path):
 
 def test_a_budget_against_physical_is_refused(shadeproof, tmp_path):
     suite = tmp_path / "mine.toml"
-    suite.write_text(SUITE.format(limit=1.0).replace("unoccluded", "physical"))
+    suite.write_text(limited(1.0).replace("unoccluded", "physical"))
     code, _, err = shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")
     assert code == 2
     assert "budget.0.truth" in err
@@ -235,9 +223,7 @@ def test_a_budget_against_physical_is_refused(shadeproof, tmp_path):
 def test_a_suite_may_mask_mixtures_by_smith(shadeproof, tmp_path):
     suite = tmp_path / "mine.toml"
     mixed = "[run.sweep]\nweight = [0.5]\n[[budget]]"
-    suite.write_text(
-        SUITE.format(limit=0.5).replace("[[budget]]", mixed) + '[model]\nmasking = "smith"\n'
-    )
+    suite.write_text(limited(0.5).replace("[[budget]]", mixed) + '[model]\nmasking = "smith"\n')
     assert shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")[0] == 0
     results = load_results(tmp_path / "out/results.json")
     (shaders,) = (c for c in results.provenance["parity"] if c["name"] == "BRDF")
@@ -249,7 +235,7 @@ EXACT = '[model]\nfresnel = "exact"\n'
 
 def test_a_model_that_a_technique_cannot_draw_is_refused(shadeproof, pictures, tmp_path):
     suite = tmp_path / "mine.toml"
-    suite.write_text(SUITE.format(limit=1.0) + EXACT)
+    suite.write_text(limited(1.0) + EXACT)
     code, _, err = shadeproof("compare", "--suite", suite, "--out", tmp_path / "out")
     assert code == 2
     assert f"{suite}: model.fresnel: 'paper' cannot draw fresnel = 'exact'; " in err
@@ -264,9 +250,7 @@ def test_exact_fresnel_of_a_bare_f0_is_refused(shadeproof, pictures, tmp_path):
     )
     suite = tmp_path / "mine.toml"
     run = 'environments = ["studio"]'
-    suite.write_text(
-        SUITE.format(limit=1.0).replace(run, f'{run}\nmaterials = ["bare.toml"]') + EXACT
-    )
+    suite.write_text(limited(1.0).replace(run, f'{run}\nmaterials = ["bare.toml"]') + EXACT)
     code, _, err = shadeproof("compare", "--suite", suite, "--candidate", pictures)
     assert code == 2
     assert "model.fresnel: 'bare' gives its metal as F0 alone" in err
@@ -275,7 +259,7 @@ def test_exact_fresnel_of_a_bare_f0_is_refused(shadeproof, pictures, tmp_path):
 @pytest.mark.parametrize(("limit", "code"), [(10.0, 0), (0.001, 1)])
 def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limit, code):
     suite = tmp_path / "mine.toml"
-    suite.write_text(SUITE.format(limit=limit))
+    suite.write_text(limited(limit))
     assert shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")[0] == code
     assert load_results(tmp_path / "out/results.json").verdict == ("fail" if code else "pass")
 
@@ -351,7 +335,8 @@ def test_compare_tells_the_causes_of_every_objects_error(tiny):
 
 
 def test_a_gate_measures_further_only_what_misses_its_budget(shadeproof, tmp_path):
-    suite = STRICT.format(energy=1e-6)
+    budget = 'object = "floor"\nenergy_error = 1e-6\nreason = "a test"'
+    suite = small_suite(("unoccluded", "direct"), budget=budget)
     (tmp_path / "strict.toml").write_text(suite)
     out = tmp_path / "out"
     code, _, _ = shadeproof("gate", "--suite", tmp_path / "strict.toml", "--out", out)
@@ -363,26 +348,6 @@ def test_a_gate_measures_further_only_what_misses_its_budget(shadeproof, tmp_pat
     for row in results.rows:
         assert np.isfinite(row.ssim)
         assert np.isfinite(row.flip) == ((row.technique, row.object) in failed)
-
-
-STRICT = """
-description = "One object misses its budget"
-techniques = ["paper"]
-truths = ["unoccluded", "direct"]
-[reference]
-samples_per_batch = 16
-max_samples = 128
-[[run]]
-scene = "contact"
-environments = ["studio"]
-resolution = [96, 72]
-[[budget]]
-technique = "paper"
-truth = "unoccluded"
-object = "floor"
-energy_error = {energy}
-reason = "a test"
-"""
 
 
 @pytest.mark.parametrize("wrong", ["black", "bright", "mirrored"])

@@ -11,22 +11,11 @@ from pathlib import Path
 import pytest
 
 from reference.store import Store, sound
+from tests.reports.small import small_suite
 
 ROOT = Path(__file__).resolve().parents[2]
-SUITE = """
-description = "Many batches of a small picture, to be cut off between them."
-techniques = ["paper"]
-truths = ["global", "physical"]
-
-[reference]
-samples_per_batch = 4
-max_samples = 64
-
-[[run]]
-scene = "contact"
-environments = ["studio"]
-resolution = [64, 48]
-"""
+# Many batches of a small picture, to be cut off between them.
+SUITE = small_suite(("global", "physical"), samples=4, most=64, size=(64, 48))
 BATCHES = 16  # of each of two references
 
 
