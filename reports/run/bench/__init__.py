@@ -1,0 +1,135 @@
+"""Speed against error: every technique beside path tracing, raw and denoised, in one run."""
+
+import datetime
+import os
+import platform
+import time
+from importlib import metadata
+from typing import Any
+
+from reference.batches import grow, truth_of
+from reference.store import Store
+from renderer.context import device
+from reports.compare import Truth, exposures_of
+from reports.progress import Reporter, reporting
+from reports.run.bench import kernels
+from reports.run.bench.equal import equal_errors
+from reports.run.bench.measured import Measured, measure
+from reports.run.bench.realtime import NO_CACHES, RealTime
+from reports.run.bench.way import Way
+from reports.run.job import Job, make_folder
+from reports.speed.points import Bench, EqualError, Point
+from scenes.schema import Case
+from scenes.suite import Entry
+
+ROUNDS = 9
+PACKAGES = ("mitsuba", "drjit", "mitsuba-oidn", "moderngl", "numpy")
+STEPS = 4  # of a case, that are told
+
+
+def bench(job: Job, rounds: int = ROUNDS) -> Bench:
+    """Measure every case of a job: points, and what path tracing needs to be as good.
+
+    Nothing is written but the references that are lacking, and the folder for the results.
+
+    Args:
+        rounds: warm frames of each way.
+
+    Raises:
+        InputError: an input cannot be used, a folder cannot be written, or there is no LLVM.
+    """
+    start = time.perf_counter()
+    make_folder(job.out, "--out")
+    make_folder(job.store, "--store")
+    os.environ.update(NO_CACHES)
+    kernels.keep_apart()
+    from reports.run.bench.denoised import unavailable
+
+    lacking = unavailable()
+    skipped = [*job.skipped, *([lacking] if lacking else [])]
+    if not device().hardware:
+        skipped.append(f"GPU times: {device().name} is no GPU")
+    points: list[Point] = []
+    equal: list[EqualError] = []
+    with reporting(STEPS * len(job.entries)) as report:
+        for entry in job.entries:
+            measured = _measured(job, entry, rounds, not lacking, report)
+            report.step(f"{entry.case.id}: first starts, changes and memory")
+            for m in measured:
+                report.detail(f"{entry.case.id}: {m.way.name}")
+                gpu = m.way.gpu_frames(rounds)
+                points.append(m.point(entry.case, gpu))
+                skipped += [f"{entry.case.id}: {m.way.name}: {p}" for p in m.problems()]
+                m.way.close()
+            equal += equal_errors(entry.case, measured)
+    return Bench(
+        suite=job.path.stem,
+        suite_path=str(job.path),
+        command=job.command,
+        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        seconds=time.perf_counter() - start,
+        provenance=_provenance(),
+        points=points,
+        equal=equal,
+        skipped=skipped,
+    )
+
+
+def _measured(
+    job: Job, entry: Entry, rounds: int, denoise: bool, report: Reporter
+) -> list[Measured]:
+    """All ways to draw one case, timed and judged."""
+    case = entry.case
+    report.step(f"{case.id}: the truth")
+    truth = _truth(job, case)
+    report.step(f"{case.id}: start path tracing")
+    ways = [RealTime(case, name) for name in entry.techniques]
+    ways += _path_tracers(case, denoise)
+    report.step(f"{case.id}: {len(ways)} ways, {rounds} rounds")
+    return measure(case, ways, truth, rounds, lambda text: report.detail(f"{case.id}: {text}"))
+
+
+def _truth(job: Job, case: Case) -> Truth:
+    """`global` from the store, at least 8 batches."""
+    store = Store(job.store)
+    batches = grow(case, "model", job.suite.reference, lambda _: True, store)
+    shown = [truth_of(batch, "global") for batch in batches]
+    return Truth(case, "global", shown, exposures_of(case, shown))
+
+
+def _path_tracers(case: Case, denoise: bool) -> list[Way]:
+    """Mitsuba at every number of samples, and with the denoiser after it."""
+    from reports.run.bench.denoised import Denoised, DenoisedTracer
+    from reports.run.bench.path_traced import PathTraced, Tracer, samples_for, started
+
+    counts = samples_for(case)
+    raw = started(Tracer, case)
+    ways: list[Way] = [PathTraced(raw, k) for k in counts]
+    if denoise:
+        guided = started(DenoisedTracer, case, raw.further)
+        ways += [Denoised(guided, k) for k in counts]
+    return ways
+
+
+def _provenance() -> dict[str, Any]:
+    """Where and with what this ran."""
+    from reference.variant import mitsuba
+    from reports.run.bench.path_traced import SAMPLER
+
+    found = {}
+    for name in PACKAGES:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "none"
+    return {
+        "device": device().name,
+        "opengl": device().version,
+        "hardware_gpu": device().hardware,
+        "variant": mitsuba().variant(),
+        "sampler": SAMPLER,
+        "cpus": os.cpu_count(),
+        "machine": f"{platform.machine()}, {platform.system()} {platform.release()}",
+        "python": platform.python_version(),
+        "versions": found,
+    }

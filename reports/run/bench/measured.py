@@ -1,0 +1,95 @@
+"""The ways of one case, timed together and held against its truth."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reports.compare import Truth
+from reports.run.bench.errors import Judged, error_of, judged
+from reports.run.bench.way import Way
+from reports.speed.points import Point, Timed
+from scenes.schema import Case
+
+PICTURES = 3  # of different seeds, whose errors are measured
+WARMING = 0.1  # seconds: before a shorter frame one more is drawn, since another way's was the last
+
+
+@dataclass
+class Measured:
+    """One way and what was measured of it.
+
+    Attributes:
+        seconds: of its frame in each round.
+        judged: by object, the figures of one picture, or of several seeds.
+    """
+
+    way: Way
+    seconds: list[float] = field(default_factory=list)
+    judged: dict[str, list[Judged]] = field(default_factory=dict)
+
+    def problems(self) -> list[str]:
+        """Why errors are missing, if any."""
+        found = {j.problem for pictures in self.judged.values() for j in pictures}
+        return sorted(found - {""})
+
+    def point(self, case: Case, gpu: list[float]) -> Point:
+        """The record of it; its costs are measured now."""
+        cost, way = self.way.cost(), self.way
+        return Point(
+            case=case.id,
+            environment=case.environment.name,
+            width=case.width,
+            height=case.height,
+            family=way.family,
+            name=way.name,
+            samples=way.samples,
+            frame=timed(self.seconds),
+            gpu=timed(gpu) if gpu else None,
+            compilation=cost.compilation,
+            precomputation=cost.precomputation,
+            preparation=cost.preparation,
+            after=cost.after,
+            memory=cost.memory,
+            held=cost.held,
+            errors=[error_of(obj, self.judged[obj.name]) for obj in case.judged],
+        )
+
+
+def timed(seconds: Sequence[float]) -> Timed:
+    """Median and quartiles."""
+    low, middle, high = np.percentile(seconds, (25, 50, 75))
+    return Timed(median=middle, low=low, high=high, frames=len(seconds))
+
+
+def measure(
+    case: Case, ways: list[Way], truth: Truth, rounds: int, told: Callable[[str], None]
+) -> list[Measured]:
+    """Time every way once a round, and judge its pictures.
+
+    In rounds, so that a machine that slows down slows them all, and each round starts with
+    another way. Serial and warm: each way has drawn a frame before, and before a short frame it
+    draws one more, whose predecessor left the caches to others.
+
+    Args:
+        told: called with what is being done.
+    """
+    found = [Measured(way) for way in ways]
+    for m in found:
+        told(f"warm up {m.way.name}")
+        m.way.frame(0)
+    for number in range(rounds):
+        told(f"round {number + 1} of {rounds}")
+        first = number % len(found)
+        for place, m in enumerate(found[first:] + found[:first]):
+            # Every way and round has a seed of its own, the same in every run.
+            seed = 1 + number * len(found) + (first + place) % len(found)
+            if not m.seconds or m.seconds[-1] < WARMING:
+                m.way.frame(seed)
+            m.seconds.append(m.way.frame(seed))
+            if number < (PICTURES if m.way.noisy else 1):
+                picture = m.way.picture()
+                for obj in case.judged:
+                    own = m.judged.setdefault(obj.name, [])
+                    own.append(judged(case, obj, picture, truth))
+    return found
