@@ -102,7 +102,7 @@ class Renderer:
         maps: Maps,
     ) -> Draw:
         material, how = obj.material, self.technique
-        defines = features(material, model, how.diffuse)
+        defines = features(material, model, how.diffuse, how.forced)
         if how.own_table(model):
             maps = maps | {"table_smith": smith_table(material).texture}
         maps = maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}

@@ -62,6 +62,8 @@ class Technique:
         diffuse: with the diffuse lobe's light; without, only the specular lobes' is left.
         fine: maps made so finely that their own error is gone, to tell it from others.
         per_pixel: shade each pixel once, not each triangle in it (see renderer.passes).
+        forced: names of features compiled in whether a material needs them or not, to show what
+            leaving them out saves and that it changes nothing.
     """
 
     name: str
@@ -73,6 +75,7 @@ class Technique:
     diffuse: bool = True
     fine: tuple[str, ...] = ()
     per_pixel: bool = True
+    forced: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.per_pixel and not self.msaa:
@@ -92,7 +95,7 @@ class Technique:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
         if self.samples:
             return ()
-        read = [f for f in LOBES if f.needed(material)]
+        read = [f for f in LOBES if f.needed(material) or f.name in self.forced]
         tables = () if self.own_table(model) else tuple(t for f in read for t in f.tables)
         names = tuple(m for f in read for m in f.maps) + tables
         return tuple(f"{n}{FINE}" if n in self.fine else n for n in names)
@@ -142,9 +145,11 @@ def switched(base: Technique, model: Model = PAPER) -> dict[str, Technique]:
     return thrown
 
 
-def features(material: Material, model: Model = PAPER, diffuse: bool = True) -> frozenset[str]:
-    """The names of the features that a material needs under a model."""
-    needed = {f.name for f in LOBES if f.needed(material)}
+def features(
+    material: Material, model: Model = PAPER, diffuse: bool = True, forced: tuple[str, ...] = ()
+) -> frozenset[str]:
+    """The names of the features that a material needs under a model, and of those forced."""
+    needed = {f.name for f in LOBES if f.needed(material)} | set(forced)
     if model.masking == "smith":
         needed.add("MASKING_SMITH")
     if not diffuse:
