@@ -8,7 +8,9 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-from reports import ci, cli, gate
+from reports import ci, gate
+from reports.cli import judging, options
+from reports.cli.app import app
 from reports.results import Missing, Results, Row
 from reports.terminal import describe, print_results
 from scenes.suite import Budget, expand, load_suite
@@ -259,8 +261,9 @@ def test_the_summary_goes_where_github_says_and_errors_are_annotated(tmp_path, m
 
 def test_a_gate_without_budgets_says_that_it_fails(monkeypatch):
     said = io.StringIO()
-    monkeypatch.setattr(cli, "console", Console(file=said))
-    monkeypatch.setattr(cli, "_job", lambda *_, **__: None)
-    monkeypatch.setattr(cli, "_compare", lambda *_: results([gate.judge(row(), [])], budgets=[]))
-    assert CliRunner().invoke(cli.app, ["gate"]).exit_code == 1
+    monkeypatch.setattr(judging, "console", Console(file=said))
+    monkeypatch.setattr(options, "make_job", lambda **_: None)
+    run = results([gate.judge(row(), [])], budgets=[])
+    monkeypatch.setattr(judging, "_compare", lambda *_: run)
+    assert CliRunner().invoke(app, ["gate"]).exit_code == 1
     assert "FAIL: a gate needs a row with a budget" in said.getvalue()
