@@ -1,0 +1,159 @@
+"""What a case does without, with the proof: the same frame with it on, and the time it would take.
+
+Features are compiled in only where a material needs them, and maps made only where a feature reads
+them. Here each is switched on although nothing needs it.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+from renderer.context import context
+from renderer.draw import Renderer
+from renderer.features import LOBES, Feature, Technique, technique
+from renderer.glsl import source
+from renderer.passes import Prepared, draw_frame
+from renderer.precompute import Precomputed, precomputed
+from reports.speed.points import LeftOut
+from scenes.schema import Case
+
+FRAMES = 9  # of each of a pair, in turns
+MAKINGS = 3  # of maps
+SAME = 1e-6  # relMSE up to which two frames are one: what is left is rounding
+SAMPLES = 4  # coverage samples that a technique without antialiasing leaves out
+
+MAPS = {
+    "irradiance_map": "irradiance map",
+    "prefiltered_ggx": "environment prefiltered for GGX",
+    "prefiltered_beckmann": "environment prefiltered for Beckmann",
+}
+PREFILTERED = ("prefiltered_ggx", "prefiltered_beckmann")
+WORDS = {
+    "D_GGX": ("GGX lobe", "its weight is 0"),
+    "D_BECKMANN": ("Beckmann lobe", "its weight is 0"),
+    "G_GGX": ("masking of GGX", "its weight is 0"),
+    "G_BECKMANN": ("masking of Beckmann", "its weight is 0"),
+    "DIFFUSE": ("diffuse lobe", "its albedo is 0"),
+}
+
+
+def left_out(case: Case, techniques: tuple[str, ...]) -> list[LeftOut]:
+    """What a case does without, for one technique of each way to shade: that of fewest samples."""
+    ways: dict[str, Technique] = {}
+    for how in sorted(map(technique, techniques), key=lambda t: t.samples):
+        ways.setdefault(how.shade, how)
+    found = [made for how in ways.values() for made in _features(case, how)]
+    found += [made for how in ways.values() for made in _maps(case, how)]
+    plain = [technique(n) for n in techniques if not technique(n).msaa]
+    return found + [_antialiasing(case, how) for how in plain[:1]]
+
+
+def relmse(frame: np.ndarray, other: np.ndarray) -> float:
+    """Mean squared difference of two frames (H, W, 3) over the mean square of the second."""
+    other = other.astype(float)
+    return float(((frame - other) ** 2).mean() / (other**2).mean())
+
+
+def _features(case: Case, how: Technique) -> Iterator[LeftOut]:
+    """Every feature that some object does without, compiled into all of them."""
+    for feature in LOBES:
+        without = [o.name for o in case.objects if not feature.needed(o.material)]
+        if not without or not _tested(feature, how):
+            continue
+        difference, more = _compared(case, replace(how, forced=(feature.name,)), how)
+        what, why = WORDS[feature.name]
+        yield LeftOut(
+            case=case.id,
+            what=f"{how.name}: {what}",
+            why=f"{why} on {_named(without, len(case.objects))}",
+            exact=difference <= SAME,
+            difference=difference,
+            saved_seconds=more,
+        )
+
+
+def _tested(feature: Feature, how: Technique) -> bool:
+    """Whether a technique's shader asks for a feature at all."""
+    return re.search(rf"\b{feature.name}\b", source(how.shade)) is not None
+
+
+def _maps(case: Case, how: Technique) -> Iterator[LeftOut]:
+    """Maps of the environment that nothing reads: they would cost time once, none in a frame."""
+    read = {m for o in case.objects for m in how.maps(o.material, case.model)}
+    unread = {(name,): what for name, what in MAPS.items() if name not in read}
+    beside = tuple(n for n in PREFILTERED if n in read)
+    if not beside:  # both are made together
+        unread = {names: what for names, what in unread.items() if names[0] not in PREFILTERED}
+        unread[PREFILTERED] = "prefiltered environment"
+    for names, what in unread.items():
+        shared = beside if names[0] in PREFILTERED else ()
+        yield LeftOut(
+            case=case.id,
+            what=f"{how.name}: {what}",
+            why=("all light is looked up" if how.samples else "no lobe reads it") + "; saved once",
+            exact=True,
+            difference=0.0,
+            saved_seconds=_seconds_of_maps(case.environment.path, names, shared),
+        )
+
+
+@cache
+def _seconds_of_maps(path: Path, names: tuple[str, ...], beside: tuple[str, ...]) -> float:
+    """What maps take beyond others that are made with them."""
+    _made(path, (*names, *beside))  # compiles
+    more = [_made(path, (*names, *beside)) - _made(path, beside) for _ in range(MAKINGS)]
+    return median(more)
+
+
+def _made(path: Path, names: tuple[str, ...]) -> float:
+    """Seconds for maps beyond the radiance map under them."""
+    environment = Precomputed(path)
+    start = perf_counter()
+    environment.need(names)
+    context().finish()
+    return perf_counter() - start
+
+
+def _antialiasing(case: Case, how: Technique) -> LeftOut:
+    """Coverage samples, which a technique without antialiasing has no target for."""
+    difference, more = _compared(case, replace(how, msaa=SAMPLES), how)
+    return LeftOut(
+        case=case.id,
+        what=f"{how.name}: {SAMPLES} coverage samples a pixel",
+        why="the technique asks for no antialiasing",
+        exact=False,
+        difference=difference,
+        saved_seconds=more,
+    )
+
+
+def _compared(case: Case, more: Technique, how: Technique) -> tuple[float, float]:
+    """relMSE of two techniques' frames, and the seconds that the first takes more."""
+    prepared = []
+    for each in (more, how):
+        environment = precomputed(case.environment.path)
+        environment.need({m for o in case.objects for m in each.maps(o.material, case.model)})
+        prepared.append(Renderer(each).prepare(case, environment.maps))
+    for ready in prepared:
+        draw_frame(ready)
+    frames = [ready.target.read().copy() for ready in prepared]
+    slower = [_seconds(prepared[0]) - _seconds(prepared[1]) for _ in range(FRAMES)]
+    for ready in prepared:
+        ready.target.release()
+    return relmse(*frames), median(slower)
+
+
+def _seconds(prepared: Prepared) -> float:
+    start = perf_counter()
+    draw_frame(prepared)
+    return perf_counter() - start
+
+
+def _named(objects: list[str], count: int) -> str:
+    return "all objects" if len(objects) == count > 1 else ", ".join(objects)
