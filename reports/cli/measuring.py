@@ -10,13 +10,21 @@ from reports.cli.options import takes_job
 
 
 @app.command()
-@takes_job("suite", "store", "filter", suite="bench")
-def bench(job) -> None:
-    """Time every technique of a suite beside one path-traced sample per pixel."""
-    from reports.run.measures import bench as measure
-    from reports.speed import print_timings
+@takes_job("suite", "out", "store", "filter", suite="bench")
+def bench(
+    job,
+    frames: Annotated[int, typer.Option(min=3, help="Warm frames of each way to draw.")] = 9,
+) -> None:
+    """Measure time and error of every technique beside path tracing, raw and denoised."""
+    from reports.html.speed import write_page
+    from reports.run.bench import bench as measure
+    from reports.speed.points import save_bench
+    from reports.speed.table import print_bench
 
-    print_timings(measure(job), console)
+    found = measure(job, frames)
+    save_bench(found, job.out / "bench.json")
+    print_bench(found, console)
+    console.print(f"page: {write_page(found, job.out).resolve()}", soft_wrap=True)
 
 
 @app.command()

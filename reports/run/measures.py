@@ -1,36 +1,15 @@
-"""What either renderer is worth on its own: times, noise, and the BRDF direction by direction."""
+"""What either renderer is worth on its own: noise, and the BRDF direction by direction."""
 
 from reference import probe as reference_probe
 from reference.batches import render_batch, truth_of
 from reference.settings import FEWEST_BATCHES, TRUTHS, rounded_samples
-from reference.timing import pilot_seconds, seconds_per_sample
+from reference.timing import pilot_seconds
 from renderer import probe
-from renderer.draw import Renderer
-from renderer.features import technique
 from reports.efficiency import Efficiency, efficiencies
 from reports.progress import reporting
 from reports.run.job import Job
-from reports.speed import Timing
 from reports.stability import MASKINGS, Agreement, agreement, directions, materials, oracle
 from scenes.schema import Material, Model
-
-
-def bench(job: Job) -> list[Timing]:
-    """Warm frame times of every technique beside one path-traced sample per pixel."""
-    timings = []
-    with reporting(sum(1 + len(e.techniques) for e in job.entries)) as report:
-        for entry in job.entries:
-            case = entry.case
-            report.step(f"{case.id}: Mitsuba at 1 sample per pixel")
-            sample = seconds_per_sample(case)
-            for name in entry.techniques:
-                report.step(f"{case.id}: {name}")
-                frame = Renderer(technique(name), repeats=9).render(case)
-                made = frame.provenance["precomputation_seconds"]
-                timings.append(
-                    Timing(case.id, case.width, case.height, name, frame.seconds, made, sample)
-                )
-    return timings
 
 
 def efficiency(job: Job) -> list[Efficiency]:

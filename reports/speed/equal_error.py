@@ -77,6 +77,8 @@ def need(target: Estimate, frames: np.ndarray, curve: Curve, law: Law, seed: int
     with np.errstate(invalid="ignore", divide="ignore"):
         goals = np.where(errors > 0, np.log(errors), np.where(np.isnan(errors), np.nan, -np.inf))
     x = np.log(curve.samples)
+    if np.isfinite(logs).sum() < 2:
+        return Need(UNTOLD, UNTOLD, UNTOLD)
     found = _on_line(x, drawn, spread, goals) if law == "power" else _between(x, drawn, goals)
     beyond = "below" if found[0] < x[0] else "above" if found[0] > x[-1] else ""
     if np.isnan(found[0]) or beyond == "below" or np.isinf(found[0]):
@@ -116,8 +118,6 @@ def _logs(curve: Curve) -> tuple[np.ndarray, np.ndarray, int]:
 def _on_line(x: np.ndarray, y: np.ndarray, spread: np.ndarray, goals: np.ndarray) -> np.ndarray:
     """Log samples (n,) at which weighted straight lines through y (n, m) meet the goals (n,)."""
     known = np.isfinite(y[0])
-    if known.sum() < 2:
-        return np.full(len(goals), np.nan)
     x, y, weights = x[known], y[:, known], 1 / np.maximum(spread[known], 1e-9) ** 2
     weights /= weights.sum()
     middle = weights @ x

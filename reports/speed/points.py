@@ -27,8 +27,8 @@ class Timed(Record):
 class Error(Record):
     """How wrong one object is against `global`.
 
-    For a path tracer `low` and `high` hold the spread of its own noise too, from picture to
-    picture.
+    Of a path tracer it is the mean over pictures of 3 seeds (for energy_local of the squares), and
+    `low` and `high` hold their spread too.
     """
 
     object: str
@@ -51,8 +51,11 @@ class Point(Record):
         gpu: the GPU's own clock for the same frames, where it has one.
         compilation: seconds of shader or kernel compilation, paid once by a program.
         precomputation: seconds for what is made once per environment (or surface).
-        preparation: seconds for geometry, targets and uniforms, or a scene and its BVH.
-        after: seconds until the next finished frame once a thing has changed.
+        preparation: seconds for geometry, targets and uniforms, or a scene and its BVH, from meshes
+            and light that are decoded.
+        after: seconds until the next finished frame once a thing has changed: the light, the
+            materials' alpha and albedo, their share of GGX (between its ends, where a lobe is
+            compiled out), or the meshes. Of a path tracer a frame and what the change adds to it.
         memory: bytes that the process grows by at its peak, precomputation included.
         held: bytes of buffers, textures and targets that stay; unknown for a path tracer.
     """
@@ -83,8 +86,9 @@ class Point(Record):
 class EqualError(Record):
     """What a path tracer needs to be as good as a technique.
 
-    `samples` and `seconds` may be null: `beyond` then says why, "below" one sample (it is better
-    at once) or "above" what was measured or can be reached (a denoiser has an error of its own).
+    `beyond` says that this lies outside of what was measured: "below" one sample (it is better at
+    once), or "above" the most. The figures are null then, but for raw local energy above, which
+    follows a law (reports/speed/equal_error.py). An upper end is null where it is infinite.
     `ratio` is `seconds` over the technique's frame time: above 1 the technique is faster.
     """
 

@@ -35,7 +35,8 @@ class Measured:
 
     def point(self, case: Case, gpu: list[float]) -> Point:
         """The record of it; its costs are measured now."""
-        cost, way = self.way.cost(), self.way
+        frame, way = timed(self.seconds), self.way
+        cost = way.cost(frame.median)
         return Point(
             case=case.id,
             environment=case.environment.name,
@@ -44,7 +45,7 @@ class Measured:
             family=way.family,
             name=way.name,
             samples=way.samples,
-            frame=timed(self.seconds),
+            frame=frame,
             gpu=timed(gpu) if gpu else None,
             compilation=cost.compilation,
             precomputation=cost.precomputation,

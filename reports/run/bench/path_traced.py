@@ -166,26 +166,24 @@ class PathTraced(Way):
 
     def __init__(self, start: Start, samples: int) -> None:
         self.start, self.samples, self.name = start, samples, self.label.format(samples)
-        self.times: list[float] = []
 
     def frame(self, seed: int) -> float:
         """Seconds until the picture is in the caller's memory."""
         start = perf_counter()
         self.last = self.start.tracer.draw(self.samples, seed)
-        self.times.append(perf_counter() - start)
-        return self.times[-1]
+        return perf_counter() - start
 
     def picture(self) -> np.ndarray:
         return self.last
 
-    def cost(self) -> Cost:
+    def cost(self, frame: float) -> Cost:
         dr.flush_malloc_cache()
         with growing() as growth:
             self.start.tracer.draw(self.samples, 0)
-        warm, once = median(self.times), self.start
+        once = self.start
         return Cost(
             compilation=once.compilation,
             preparation=once.preparation,
-            after={change: warm + seconds for change, seconds in once.further.items()},
+            after={change: frame + seconds for change, seconds in once.further.items()},
             memory=once.left + growth.peak,
         )

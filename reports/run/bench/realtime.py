@@ -68,7 +68,7 @@ class RealTime(Way):
             times.append(query.elapsed * 1e-9)
         return times
 
-    def cost(self) -> Cost:
+    def cost(self, frame: float) -> Cost:
         """What stands beside the frames, measured in a fresh process."""
         return started_anew(self.case, self.name)
 

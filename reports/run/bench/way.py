@@ -47,8 +47,8 @@ class Way(ABC):
         """The last frame, (H, W, 3) linear radiance."""
 
     @abstractmethod
-    def cost(self) -> Cost:
-        """What stands beside the frames, some of which must have been drawn before."""
+    def cost(self, frame: float) -> Cost:
+        """What stands beside the frames, of which a warm one takes `frame` seconds."""
 
     def gpu_frames(self, count: int) -> list[float]:
         """Seconds of so many frames on the GPU's own clock, where there is one."""
