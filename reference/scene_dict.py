@@ -24,10 +24,11 @@ def build_scene(case: Case, physical: bool = False) -> tuple[mi.Scene, list[str]
     """
     notes: list[str] = []
     placed = [world_mesh(obj) for obj in case.objects]
+    radiance = load_environment(case.environment.path).radiance
     scene = {
         "type": "scene",
         "sensor": sensor(case.camera, case.width, case.height, _reach(case.camera, placed)),
-        "environment": environment(case.environment),
+        "environment": environment(case.environment, radiance),
     }
     for number, obj in enumerate(case.objects):
         if physical:
@@ -90,17 +91,16 @@ def mesh(source: Mesh, bsdf: dict, name: str) -> mi.Mesh:
     return shape
 
 
-def environment(source: Environment) -> dict:
-    """The radiance map as an `envmap` in a world that is z-up.
+def environment(source: Environment, radiance: np.ndarray) -> dict:
+    """A radiance map as an `envmap`, turned as `source` is, in a world that is z-up.
 
     Mitsuba's column u lies at atan2(x, -z) = 2 pi u of local space and its rows run along y; ours
     at atan2(x, y) = 2 pi (u - rotation / 360) and along z.
     """
-    radiance = np.ascontiguousarray(load_environment(source.path).radiance)
     upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
     return {
         "type": "envmap",
-        "bitmap": mi.Bitmap(radiance),
+        "bitmap": mi.Bitmap(np.ascontiguousarray(radiance)),
         "to_world": mi.ScalarTransform4f().rotate([0, 0, 1], source.rotation) @ upright,
     }
 

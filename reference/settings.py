@@ -15,6 +15,7 @@ PATH = {"type": "path", "max_depth": 65, "rr_depth": 8}
 # and 1 to 2.3 times on smooth metal; `ldsampler` and `stratified` come close, never better.
 SAMPLER = "multijitter"
 SPLIT = 4  # estimates of the unoccluded light a path; more gain less than they cost
+LIGHT_PATHS = 0.25  # from the lamps for each path from the eye; more gain less than they cost
 PILOT_SAMPLES, PILOT_SEED = 16, 1984  # for the control variate's factor
 FEWEST_BATCHES = 8  # of independent seeds, for intervals
 

@@ -4,7 +4,8 @@ At the first hit the light is split by what may reach the surface:
 
     unoccluded   the environment from everywhere, as if nothing stood in its way
     direct       the environment from where nothing stands in its way
-    global       and what other surfaces send, traced on by Mitsuba's own `path`
+    global       and what other surfaces send, traced on by Mitsuba's own `path`; under a sun with
+                 caustics those are left out, to be traced from the lamps (reference.caustics)
 
 Every estimate is one sample of the light and one of the BSDF, joined by the power heuristic
 (Veach 1997, 9.2.4). Each truth also comes as the part that the diffuse lobe reflects.
@@ -21,42 +22,58 @@ from functools import cache
 
 import drjit as dr
 
+from reference.caustics import Caustics, from_the_eye
+from reference.sampling import diffuse_only, power_heuristic
 from reference.settings import PATH, SPLIT
 from reference.variant import mitsuba
 
 mi = mitsuba()
 
 Light = dict[str, mi.Color3f]
-Transport = Callable[[mi.Scene, mi.Sampler, mi.RayDifferential3f, mi.Float], Light]
+Parts = tuple[mi.Color3f, mi.Color3f]  # of the whole BSDF and of its diffuse lobe
+Transport = Callable[[mi.Scene, mi.Sampler, mi.RayDifferential3f, mi.Float, Caustics | None], Light]
 
 
 def model_light(
-    scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, control: mi.Float
+    scene: mi.Scene,
+    sampler: mi.Sampler,
+    ray: mi.RayDifferential3f,
+    control: mi.Float,
+    caustics: Caustics | None,
 ) -> Light:
     """Radiance along `ray` for every truth under the case's model.
 
     Args:
         control: the factor c, 0 to 1 - 1 / SPLIT.
+        caustics: those that `global` leaves out.
 
     Returns:
         Radiance by truth, and by "<truth>.diffuse" the part off the first hit's diffuse lobe.
     """
-    truths = _first_hit(scene, sampler, ray, control)
+    truths = _first_hit(scene, sampler, ray, control, caustics)
     parts = {f"{name}.diffuse": diffuse for name, (_, diffuse) in truths.items()}
     return {name: whole for name, (whole, _) in truths.items()} | parts
 
 
 def physical_light(
-    scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, control: mi.Float
+    scene: mi.Scene,
+    sampler: mi.Sampler,
+    ray: mi.RayDifferential3f,
+    control: mi.Float,
+    caustics: Caustics | None,
 ) -> Light:
     """The same for Mitsuba's own materials: `physical` is their full transport."""
-    whole, diffuse = _first_hit(scene, sampler, ray, control)["global"]
+    whole, diffuse = _first_hit(scene, sampler, ray, control, caustics)["global"]
     return {"physical": whole, "physical.diffuse": diffuse}
 
 
 def _first_hit(
-    scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, control: mi.Float
-) -> dict[str, tuple[mi.Color3f, mi.Color3f]]:
+    scene: mi.Scene,
+    sampler: mi.Sampler,
+    ray: mi.RayDifferential3f,
+    control: mi.Float,
+    caustics: Caustics | None,
+) -> dict[str, Parts]:
     """Radiance along `ray` by truth: all of it, and the part of the first hit's diffuse lobe."""
     si = scene.ray_intersect(ray)
     background = scene.environment().eval(si, ~si.is_valid())
@@ -66,19 +83,37 @@ def _first_hit(
     inward = scene.ray_intersect_preliminary(path.onward, coherent=False, active=path.sampled)
     blocked = path.sampled & inward.is_valid()
     shadowed = scene.ray_test(path.to_light, path.lit)
-    further = _path_tracer().sample(scene, sampler, path.onward, active=blocked)[0]
+    further = _further(scene, sampler, si, path, blocked, caustics)
     truths = {}
     for part in range(2):
         better = sum(other[part] for other in others) / (SPLIT - 1) - own[part]
         direct = (path.from_light[part] & ~shadowed) + (path.from_bsdf[part] & ~blocked)
         truths["unoccluded", part] = own[part] + (1 - 1 / SPLIT) * better
         truths["direct", part] = direct + control * better
-        truths["global", part] = direct + (path.weights[part] * further & blocked)
+        truths["global", part] = direct + further[part]
         truths["global", part] += control * better
     return {
         name: (background + truths[name, 0], truths[name, 1])
         for name in ("unoccluded", "direct", "global")
     }
+
+
+def _further(
+    scene: mi.Scene,
+    sampler: mi.Sampler,
+    si: mi.SurfaceInteraction3f,
+    path: "_Arrival",
+    blocked: mi.Bool,
+    caustics: Caustics | None,
+) -> Parts:
+    """Other surfaces' light off the surface, without the caustics on its rough lobes."""
+    if caustics is None:
+        light = _path_tracer().sample(scene, sampler, path.onward, active=blocked)[0]
+        return tuple(weight * light & blocked for weight in path.weights)
+    plain, caustic = from_the_eye(scene, sampler, path.onward, blocked, caustics)
+    whole, diffuse = path.weights
+    smooth = caustics.from_smooth(si, whole, diffuse)
+    return whole * plain + smooth * caustic & blocked, diffuse * plain & blocked
 
 
 class _Arrival:
@@ -95,7 +130,7 @@ class _Arrival:
     """
 
     def __init__(self, scene: mi.Scene, sampler: mi.Sampler, si: mi.SurfaceInteraction3f) -> None:
-        light, everything, diffuse = scene.environment(), mi.BSDFContext(), _diffuse_only()
+        light, everything, diffuse = scene.environment(), mi.BSDFContext(), diffuse_only()
         hit, bsdf = si.is_valid(), si.bsdf()
         ds, radiance = light.sample_direction(si, sampler.next_2d(), hit)
         self.lit = hit & (ds.pdf > 0)
@@ -117,7 +152,7 @@ class _Arrival:
         self.from_bsdf = tuple(w * radiance for w in self.weights)
         self.onward = mi.RayDifferential3f(si.spawn_ray(ds.d))
 
-    def unblocked(self) -> tuple[mi.Color3f, mi.Color3f]:
+    def unblocked(self) -> Parts:
         """The environment's radiance off the surface, as if nothing stood in its way."""
         return tuple(a + b for a, b in zip(self.from_light, self.from_bsdf, strict=True))
 
@@ -130,7 +165,11 @@ def unoccluded(scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f) 
 
 
 def openness(
-    scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, _control: mi.Float
+    scene: mi.Scene,
+    sampler: mi.Sampler,
+    ray: mi.RayDifferential3f,
+    _control: mi.Float,
+    _caustics: Caustics | None,
 ) -> Light:
     """1 less the share of the BSDF's directions at the first hit in which something stands."""
     si = scene.ray_intersect(ray)
@@ -139,18 +178,6 @@ def openness(
     active = si.is_valid() & (bs.pdf > 0)
     blocked = scene.ray_test(si.spawn_ray(si.to_world(bs.wo)), active)
     return {"openness": mi.Color3f(dr.select(active & blocked, mi.Float(0), 1))}
-
-
-def power_heuristic(own: mi.Float, other: mi.Float) -> mi.Float:
-    """The weight of a sample of density `own` that could also come with density `other`."""
-    return dr.select(own > 0, dr.square(own) / (dr.square(own) + dr.square(other)), 0)
-
-
-@cache
-def _diffuse_only() -> mi.BSDFContext:
-    context = mi.BSDFContext()
-    context.type_mask = +mi.BSDFFlags.Diffuse
-    return context
 
 
 @cache

@@ -13,8 +13,10 @@ import drjit as dr
 import numpy as np
 from scipy.ndimage import binary_dilation
 
+from reference.caustics import Caustics, caustics, from_the_lamps
 from reference.scene_dict import build_scene, camera_rays, shape_id
 from reference.settings import (
+    LIGHT_PATHS,
     PILOT_SAMPLES,
     PILOT_SEED,
     SAMPLER,
@@ -37,6 +39,7 @@ class Stage:
 
     Attributes:
         traced: (H, W) bool, pixels that need path tracing.
+        caustics: what is traced from the lamps instead, if there is such light.
         background: (H, W, 3) float32, the environment where `traced` is false, else 0.
         ids: (H, W) uint8, the object at each pixel's centre, 0 for none.
         notes: what could not be matched in the materials.
@@ -45,6 +48,7 @@ class Stage:
     case: Case
     scene: mi.Scene
     light: Transport
+    caustics: Caustics | None
     traced: np.ndarray
     background: np.ndarray
     ids: np.ndarray
@@ -65,7 +69,20 @@ class Stage:
             still = self.background if "." not in name else np.zeros_like(self.background)
             pictures[name] = still.copy()
             pictures[name][self.traced] = pixels
+        if self.caustics:
+            self._add_caustics(pictures, samples, seed)
         return pictures
+
+    def _add_caustics(self, pictures: dict[str, np.ndarray], samples: int, seed: int) -> None:
+        """Add what light paths bring, LIGHT_PATHS for each path from the eye."""
+        paths = int(self.traced.sum() * rounded_samples(samples) * LIGHT_PATHS)
+        pieces = -(-paths // MAX_WAVEFRONT)
+        name = "global" if "global" in pictures else "physical"
+        for number in range(pieces):
+            count, own_seed = -(-paths // pieces), _own(seed, number)
+            found = from_the_lamps(self.caustics, self.scene, self.traced.shape, count, own_seed)
+            for layer, light in zip((name, f"{name}.diffuse"), found, strict=True):
+                pictures[layer][self.traced] += light[self.traced] / pieces
 
     @cached_property
     def control(self) -> np.ndarray:
@@ -86,8 +103,7 @@ class Stage:
         for number, start in enumerate(range(0, len(x), chunk)):
             part = slice(start, start + chunk)
             corner = mi.Point2f(x[part].astype(np.float32), y[part].astype(np.float32))
-            # Spread by the golden ratio, so that neighbouring seeds share no chunk.
-            own_seed = (seed + number * 0x9E3779B9) % 2**32
+            own_seed = _own(seed, number)
             parts.append(self._trace_pixels(light, corner, control[part], samples, own_seed))
         return {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
 
@@ -105,12 +121,18 @@ class Stage:
         pixel = dr.arange(mi.UInt32, count) // dr.opaque(mi.UInt32, samples)
         position = dr.gather(mi.Point2f, corner, pixel) + sampler.next_2d()
         factor = dr.gather(mi.Float, mi.Float(control), pixel)
-        L = light(self.scene, sampler, camera_rays(self.scene, self.case, position), factor)
+        ray = camera_rays(self.scene, self.case, position)
+        L = light(self.scene, sampler, ray, factor, self.caustics)
         dr.eval(L)  # all at once: each alone would trace the paths anew
         return {
             name: np.stack([dr.block_sum(c, samples).numpy() / samples for c in colour], axis=1)
             for name, colour in L.items()
         }
+
+
+def _own(seed: int, number: int) -> int:
+    """The seed of a chunk, spread by the golden ratio: neighbouring seeds share no chunk."""
+    return (seed + number * 0x9E3779B9) % 2**32
 
 
 @lru_cache(maxsize=2)
@@ -123,7 +145,8 @@ def stage(case: Case, kind: Kind) -> Stage:
     scene, notes = build_scene(case, physical=kind == "physical")
     light = physical_light if kind == "physical" else model_light
     traced, ids = covered(_bare(case))
-    return Stage(case, scene, light, traced, _background(scene, case, ~traced), ids, notes)
+    lamps, background = caustics(case, scene), _background(scene, case, ~traced)
+    return Stage(case, scene, light, lamps, traced, background, ids, notes)
 
 
 def _bare(case: Case) -> Case:

@@ -4,15 +4,32 @@ import numpy as np
 import pytest
 
 from reference.batches import render_batch
-from tests.reference.cases import metal
+from reference.truths import stage
+from scenes.schema import Camera, Object
+from tests.reference.cases import metal, plastic
 
 SKY = np.random.default_rng(8).uniform(0, 2, (32, 64, 3))
 COUNT = 64
 
 
-def test_noise_is_independent_from_pixel_to_pixel(make_case):
+SUN = np.full((32, 64, 3), 0.02)
+SUN[5:8, 30:34] = 40.0
+# Balls that mirror a sun on a floor and on each other: light paths touch more than one pixel.
+FLOOR = Object(name="floor", mesh="plane", material=plastic(0.9, (0.8, 0.8, 0.8)), scale=5)
+BALLS = tuple(
+    Object(name=f"{x}", mesh="sphere", material=plastic(0.3, (0.8, 0.8, 0.8)), position=(x, 0, 1))
+    for x in (-1.1, 1.1)
+)
+ABOVE = Camera(origin=(0, -5, 4), target=(0, 0, 0.5), fov=40)
+
+
+@pytest.mark.parametrize("caustics", [False, True], ids=["sky", "caustics"])
+def test_noise_is_independent_from_pixel_to_pixel(caustics, make_case):
     """Neighbours' correlation is that of chance, and the variance of the sum the sum of theirs."""
     case = make_case(SKY, material=metal(0.4))
+    if caustics:
+        case = make_case(SUN, objects=(FLOOR, *BALLS), camera=ABOVE)
+    assert (stage(case, "model").caustics is not None) == caustics
     frames = [render_batch(case, "model", 4, seed) for seed in range(COUNT)]
     on_object = frames[0].ids > 0
     light = np.stack([frame.rgb.mean(axis=2) for frame in frames]).astype(np.float64)
