@@ -1,12 +1,7 @@
 """bench.html and its section in report.html: whole, offline, and true to the record."""
 
-import json
 import math
-import random
 import re
-import shutil
-import subprocess
-from html.parser import HTMLParser
 
 import pytest
 
@@ -19,188 +14,35 @@ from reports.html.speed.scatter import MODES, plots
 from reports.html.speed.view import speed_view
 from reports.html.speed.words import growth, headline, paper_rate, verdict_of
 from reports.results import Figured, Results
-from reports.speed.points import (
-    Bench,
-    EqualError,
-    Error,
-    Growth,
-    LeftOut,
-    LobeSampling,
-    Point,
-    Timed,
-    save_bench,
+from reports.speed.points import save_bench
+from tests.reports.benches import (
+    EVIL,
+    NAN,
+    bunnies,
+    crowd,
+    equal,
+    error,
+    full_bench,
+    grown,
+    lonely,
+    point,
+    small_bench,
 )
-
-NAN = math.nan
-EVIL = "<b onclick=x>&\"'@7"
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+from tests.reports.pages import Page
 
 
-def figured(value, part=0.03):
-    return Figured(value=value, low=value * (1 - part), high=value * (1 + part))
+def words(page):
+    """The text that a page shows."""
+    return plain(" ".join(page.text["body"].replace(page.text["script"], "").split()))
 
 
-def timed(median, part=0.04):
-    return Timed(median=median, low=median * (1 - part), high=median * (1 + 2 * part), frames=9)
+def plain(string):
+    return string.replace("\u202f", " ")
 
 
-def error(name, local, ssim, part=0.03):
-    return Error(
-        object=name, material=name, roughness=0.4, weight=0.25, energy_error=figured(-local / 5),
-        energy_local=figured(local, part), one_minus_ssim=figured(ssim, part),
-    )  # fmt: skip
-
-
-def point(case="bunnies", family="real-time", name="paper", median=0.065, errors=(), **fields):
-    base = {
-        "environment": "courtyard", "width": 1920, "height": 1080,
-        "compilation": 0.02, "precomputation": 0.4, "preparation": 0.05, "memory": 1.2e8,
-        "after": {"light": 0.5, "material": median, "weight": median, "geometry": 2 * median},
-    }  # fmt: skip
-    return Point(
-        case=case, family=family, name=name, frame=timed(median), errors=errors, **base | fields
-    )
-
-
-OBJECTS = {"copper": (0.41, 0.16), "silver": (0.62, 0.22), "red plastic": (0.11, 0.05)}
-
-
-def bunnies():
-    """The paper's picture: six techniques, a path tracer and a denoiser."""
-
-    def errors(scale, part=0.03):
-        return [error(n, a * scale, b * scale, part) for n, (a, b) in OBJECTS.items()]
-
-    real = [
-        point(errors=errors(1), gpu=timed(0.06), held=6.2e7),
-        point(name="paper-noaa", median=0.021, errors=errors(1.05)),
-        *(
-            point(name=f"sampled@{n}", samples=n, median=0.03 + 0.011 * n, precomputation=0.01,
-                  errors=errors(0.9 / n**0.25))
-            for n in (1, 4, 16, 64)
-        ),
-    ]  # fmt: skip
-    after = {"light": 0.9, "material": 1.2, "weight": 1.1, "geometry": 2.5}
-    traced = [
-        point(family="path traced", name=f"Mitsuba {n}", samples=n, median=0.05 + 0.26 * n,
-              errors=errors(1.1 / n**0.5, 0.08), compilation=1.8, precomputation=0, after=after)
-        for n in (1, 2, 4, 8, 16)
-    ]  # fmt: skip
-    denoised = [
-        point(family="denoised", name=f"Mitsuba {n} + OIDN", samples=n, median=0.6 + 0.27 * n,
-              errors=errors(0.35 / n**0.25), compilation=2.1, precomputation=0, memory=NAN,
-              after=after)
-        for n in (1, 4, 16)
-    ]  # fmt: skip
-    return [*real, *traced, *denoised]
-
-
-def lonely():
-    """One point of an odd name, without an interval, with an error of 0 and one unknown."""
-    nothing = Figured(value=NAN, low=NAN, high=NAN)
-    alone = error("ball & <cone>", 0, 0).model_copy(
-        update={"energy_local": Figured(value=0, low=NAN, high=NAN), "one_minus_ssim": nothing}
-    )
-    return [
-        point("lonely <i>", name=EVIL, median=0.004, errors=[alone], width=256, height=256,
-              precomputation=NAN, after={}, memory=NAN)
-    ]  # fmt: skip
-
-
-def crowd():
-    """Sixty techniques."""
-    rng = random.Random(7)
-    return [
-        point("crowd", name=f"technique-{i}", median=10 ** rng.uniform(-3, -1), width=512,
-              height=512, errors=[error("sphere", *(10 ** rng.uniform(-3, 0) for _ in "ab"))])
-        for i in range(60)
-    ]  # fmt: skip
-
-
-def equal(against="path traced", samples=3.2, took=0.8, ratio=12.3, beyond="", **fields):
-    base = {"case": "bunnies", "object": "copper", "technique": "paper", "figure": "energy_local"}
-    return EqualError(
-        against=against, samples=figured(samples, 0.1), seconds=figured(took, 0.1),
-        ratio=figured(ratio, 0.1), beyond=beyond, **base | fields,
-    )  # fmt: skip
-
-
-def grown(over="pixels", technique="paper", cost="frame", base=0.0):
-    xs = [130e3, 520e3, 2.07e6, 8.3e6]
-    return Growth(
-        over=over, technique=technique, cost=cost, sizes=xs, base=base,
-        values=[1e-7 * x**0.86 * (1e9 if cost == "memory" else 1) for x in xs],
-        exponent=Figured(value=0.86, low=0.83, high=0.9),
-    )  # fmt: skip
-
-
-def full_bench(**fields):
-    """Three cases with everything that a bench can hold."""
-    lobes = [
-        LobeSampling(roughness=r, weight=w, cos_theta=c, sampler=s, points=p, light=light,
-                     samples=figured(k * (30 + 400 * (1 - w) * r), 0.2) if w != 1 or s != "beckmann"
-                     else Figured(value=NAN, low=NAN, high=NAN))
-        for r in (0.2, 0.8) for c, light in ((0.2, "furnace"),)
-        for s, k in (("ggx", 3), ("mixture", 1), ("beckmann", 8))
-        for p in ("Hammersley", "random") for w in (0, 0.25, 0.5, 0.75, 1)
-    ]  # fmt: skip
-    base = {
-        "suite": "bench", "suite_path": "bench.toml", "command": "shadeproof bench <all>",
-        "created": "2026-01-01T00:00:00Z", "seconds": 612,
-        "provenance": {
-            "device": "llvmpipe (LLVM 15.0.6, 256 bits)", "machine": "x86_64, Linux 6.1",
-            "versions": {"mitsuba": "3.9.1", "moderngl": "5.13"},
-        },
-        "points": [*bunnies(), *lonely(), *crowd()],
-        "equal": [
-            equal(), equal("denoised", 1, 0.87, 13.4, "below"),
-            equal(technique="paper-noaa", ratio=0.62, took=0.013, samples=1),
-            equal("denoised", NAN, NAN, NAN, "above", technique="sampled@64"),
-        ],
-        "growths": [
-            *(grown(technique=t) for t in ("paper", "paper-noaa", "sampled@16")),
-            grown("environment", cost="precomputation", base=0.003), grown(cost="memory"),
-        ],
-        "left_out": [
-            LeftOut(case="bunnies", what="Beckmann lobe", why="its weight is 0", exact=True,
-                    difference=3.1e-9, saved_seconds=0.0042),
-            LeftOut(case="bunnies", what="path depth beyond 6", why="adds less than its interval",
-                    exact=False, difference=0.0004, interval=0.002),
-        ],
-        "lobes": lobes, "skipped": ["denoised: mitsuba-oidn is not installed"],
-    }  # fmt: skip
-    return Bench(**base | fields)
-
-
-def small_bench(**fields):
-    """Points alone."""
-    return full_bench(
-        **{"equal": [], "growths": [], "left_out": [], "lobes": [], "skipped": []} | fields
-    )
-
-
-class Page(HTMLParser):
-    """A page's elements, and its text without style and script."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.elements, self.words, self.inside = [], "", ""
-        self.feed(text)
-
-    def handle_starttag(self, tag, attributes):
-        self.elements.append((tag, dict(attributes)))
-        self.inside = tag
-
-    def handle_endtag(self, tag):
-        self.inside = ""
-
-    def handle_data(self, data):
-        if self.inside not in ("style", "script"):
-            self.words += " ".join(data.replace("\u202f", " ").split()) + " "
-
-    def of(self, tag, **wanted):
-        """The attributes of the elements that have those wanted."""
-        return [a for t, a in self.elements if t == tag and wanted.items() <= a.items()]
+def of(page, tag, **wanted):
+    """The attributes of the elements that have those wanted."""
+    return [a for t, a in page.elements if t == tag and wanted.items() <= a.items()]
 
 
 @pytest.fixture(scope="module")
@@ -218,32 +60,28 @@ def page(text):
     return Page(text)
 
 
-def plain(string):
-    return string.replace("\u202f", " ")
-
-
 def test_asks_for_nothing_outside_the_page(text, page):
     assert not re.search(r"https?:|//\w|@import|url\(|fetch\(|XMLHttp|import\(", text)
     assert (
         "default-src 'none'"
-        in page.of("meta", **{"http-equiv": "Content-Security-Policy"})[0]["content"]
+        in of(page, "meta", **{"http-equiv": "Content-Security-Policy"})[0]["content"]
     )
 
 
 def test_ids_are_unique_and_every_link_leads_somewhere(page):
     ids = [a["id"] for _, a in page.elements if "id" in a]
     assert len(ids) == len(set(ids))
-    assert {a["href"][1:] for a in page.of("a")} <= set(ids)
+    assert {a["href"][1:] for a in of(page, "a")} <= set(ids)
 
 
 def test_hostile_names_stay_text(page):
     assert not any("onclick" in a for _, a in page.elements)
-    assert EVIL in page.words and "lonely <i>" in page.words and "ball & <cone>" in page.words
-    assert "shadeproof bench <all>" in page.words
+    assert EVIL in words(page) and "lonely <i>" in words(page) and "ball & <cone>" in words(page)
+    assert "shadeproof bench <all>" in words(page)
 
 
 def test_no_figure_reads_nan(page):
-    assert not re.search(r"\b(nan|inf|None)\b", page.words)
+    assert not re.search(r"\b(nan|inf|None)\b", words(page))
 
 
 def test_same_bench_makes_the_same_bytes(folder, text):
@@ -251,7 +89,7 @@ def test_same_bench_makes_the_same_bytes(folder, text):
 
 
 def test_every_point_with_figures_is_on_its_plots(page):
-    spots = page.of("li")
+    spots = of(page, "li")
     drawn = [a for a in spots if "data-moves" in a]
     assert len(drawn) == 2 * 3 * len(bunnies()) + 1 + 2 * 60
     families = {a["class"] for a in drawn}
@@ -259,17 +97,15 @@ def test_every_point_with_figures_is_on_its_plots(page):
 
 
 def test_sections_without_content_are_left_out(tmp_path, page):
-    words = ("How cost grows", "Sampling a mixture", "does without", "Left out:")
-    shown = Page(
-        write_page(small_bench(points=lonely()), tmp_path).read_text(encoding="utf-8")
-    ).words
-    for heading in words:
-        assert heading in page.words and heading not in shown
+    headings = ("How cost grows", "Sampling a mixture", "does without", "Left out:")
+    bare = Page(write_page(small_bench(points=lonely()), tmp_path).read_text(encoding="utf-8"))
+    for heading in headings:
+        assert heading in words(page) and heading not in words(bare)
 
 
 def test_a_bench_without_points_is_a_page(tmp_path):
     shown = Page(write_page(small_bench(points=[]), tmp_path).read_text(encoding="utf-8"))
-    assert "Speed against error in 0 cases" in shown.words
+    assert "Speed against error in 0 cases" in words(shown)
 
 
 def test_a_damaged_bench_is_told_and_not_fatal(tmp_path):
@@ -291,18 +127,18 @@ def report(folder):
 
 
 def test_the_report_shows_the_bench_that_lies_beside_it(tmp_path):
-    assert "Speed against error" not in report(tmp_path).words
+    assert "Speed against error" not in words(report(tmp_path))
     save_bench(small_bench(points=bunnies()), tmp_path / "bench.json")
     shown = report(tmp_path)
     ids = [a["id"] for _, a in shown.elements if "id" in a]
     assert len(ids) == len(set(ids)) and "speed" in ids
-    assert "No technique reaches 60 frames per second" in shown.words
-    assert len([a for a in shown.of("li") if "data-moves" in a]) == 6 * len(bunnies())
+    assert "No technique reaches 60 frames per second" in words(shown)
+    assert len([a for a in of(shown, "li") if "data-moves" in a]) == 6 * len(bunnies())
 
 
 def test_the_report_stands_where_its_bench_is_damaged(tmp_path):
     (tmp_path / "bench.json").write_text('{"schema_version": 7}')
-    assert "is no bench.json of schema 1" in report(tmp_path).words
+    assert "is no bench.json of schema 1" in words(report(tmp_path))
 
 
 def local(points, name="copper", modes=MODES):
@@ -345,7 +181,7 @@ def test_a_point_has_no_place_where_its_time_is_unknown():
 def test_no_error_at_all_lies_on_the_lower_edge_and_says_so(page):
     (spot,) = local(lonely(), "ball & <cone>").spots
     assert spot.off and spot.y == 100 and (spot.top, spot.bottom) == (100, 100)
-    assert f"{EVIL}, 0" in page.words
+    assert f"{EVIL}, 0" in words(page)
 
 
 def test_the_front_is_a_stair_over_the_best_and_differs_by_mode():
@@ -407,27 +243,57 @@ def test_labels_lie_on_no_other_label_or_mark():
     assert places(rivals)[1] == "below-left"
 
 
-def told(*found, name="paper", quantity=0):
-    (paper,) = [p for p in bunnies() if p.name == name]
+def told(*found, quantity=0):
+    paper = bunnies()[0]
     plot = plots(bunnies(), "copper", MODES)[quantity]
-    return plain(verdict_of(paper, "copper", plot.quantity, found))
+    return plain(verdict_of(paper, "copper", plot.quantity, small_bench(equal=found)))
 
 
-@pytest.mark.parametrize(("found", "words"), [
-    ((), "65 ms a frame, local energy error 41.0 %."),
-    ((equal(),), "41.0 %. Mitsuba needs 3.2 samples (2.88 to 3.52) to be as good: 800 ms, "
-                 "12.3 times as long (11.1 to 13.5)."),
-    ((equal(samples=1, took=0.013, ratio=0.2),), "Mitsuba needs 1 sample (0.9 to 1.1) to be as "
-     "good: 13 ms, 20.0 % of the time (18 to 22)."),
-    ((equal("denoised", NAN, NAN, NAN, "above"),),
-     "Denoised, it does not get as good with the samples that were measured."),
-    ((equal("denoised", NAN, NAN, NAN, "below"), equal(ratio=NAN)),
-     "to be as good: 800 ms; denoised, it is better at once, with 1 sample."),
-    ((equal(object="silver"), equal(case="x"), equal(figure="one_minus_ssim"),
-      equal(technique="x")), "65 ms a frame, local energy error 41.0 %."),
-])  # fmt: skip
-def test_sentences_tell_what_path_tracing_needs(found, words):
-    assert told(*found).endswith(words)
+@pytest.mark.parametrize(
+    ("found", "ending"),
+    [
+        ([], "65 ms a frame, local energy error 41.0 %."),
+        (
+            [equal()],
+            "41.0 %. Mitsuba needs 3.2 samples (2.88 to 3.52) to be as good: 800 ms, "
+            "12.3 times as long (11.1 to 13.5).",
+        ),
+        (
+            [equal(samples=1, took=0.013, ratio=0.2)],
+            "Mitsuba needs 1 sample (0.9 to 1.1) to be as good: 13 ms, 20.0 % of the time (18 to "
+            "22).",
+        ),
+        (
+            [equal("denoised", NAN, NAN, NAN, "above")],
+            "Denoised, it does not get as good with the samples that were measured.",
+        ),
+        (
+            [equal("denoised", NAN, NAN, NAN, "below"), equal(ratio=NAN)],
+            "to be as good: 800 ms; denoised, it is better at once, with 1 sample: 870 ms, "
+            "13.4 times as long.",
+        ),
+        (
+            [equal(samples=300, ratio=NAN, took=NAN, beyond="above")],
+            "Mitsuba needs 300 samples (270 to 330), more than were measured, to be as good.",
+        ),
+        ([equal(samples=NAN, took=NAN, ratio=NAN)], "needs to be as good is lost in noise."),
+        (
+            [equal(object="silver"), equal(case="x"), equal(figure="one_minus_ssim"),
+             equal(technique="x")],
+            "65 ms a frame, local energy error 41.0 %.",
+        ),
+    ],
+)  # fmt: skip
+def test_sentences_tell_what_path_tracing_needs(found, ending):
+    assert told(*found).endswith(ending)
+
+
+@pytest.mark.parametrize("end", [NAN, math.inf])
+def test_an_interval_without_an_upper_end_says_or_more(end):
+    open_ended = Figured(value=12, low=9, high=end)
+    assert "12 samples (9 or more) to be" in told(
+        equal().model_copy(update={"samples": open_ended})
+    )
 
 
 def test_each_figure_has_its_own_sentence():
@@ -487,98 +353,3 @@ def test_sizes_and_numbers_have_three_digits():
         "120 MB", "4.57 GB", "1 GB", "–",
     ]  # fmt: skip
     assert [digits(v) for v in (3.0, 0.0677, -12.34, 0)] == ["3", "0.0677", "−12.3", "0"]
-
-
-CHECKS = """
-const out = {}, $ = (s) => document.querySelector(s), plot = $(".spots");
-const marks = [...plot.querySelectorAll("a")], mark = marks[0];
-const frame = plot.getBoundingClientRect();
-const share = (m) => { const b = m.getBoundingClientRect();
-  return 100 * (b.left + b.width / 2 - frame.left) / frame.width; };
-const all = () => marks.map((m) => share(m));
-const ticks = () => [...document.querySelectorAll(".frame .x")].map((t) => t.style.cssText).join();
-const moves = (name) => marks.map((m) => JSON.parse(m.closest("li").dataset.moves)[name][0]);
-const before = ticks();
-out.modes = {};
-for (const input of document.querySelectorAll("input[name=speed-time]")) {
-  input.click();
-  const front = $(".frame path.front");
-  out.modes[input.value] = { is: all(), want: moves(input.value),
-    front: front.getAttribute("d") === JSON.parse(front.dataset.moves)[input.value],
-    time: mark.querySelector(".time").textContent,
-    stops: plot.querySelectorAll("a[tabindex='0']").length,
-    meanings: document.querySelectorAll(".pinned .choice:not([hidden])").length };
-}
-out.fixed = before === ticks();
-out.lonely = [...document.querySelectorAll(".spots")].at(6).querySelector("li").hidden;
-$("input[value=warm]").click();
-const tip = () => getComputedStyle(document.activeElement.querySelector(".tip")).opacity;
-const press = (key) => document.activeElement.dispatchEvent(
-  new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
-plot.querySelector("a[tabindex='0']").focus();
-const steps = [];
-for (let i = 0; i < marks.length; i++) {
-  steps.push(share(document.activeElement));
-  press("ArrowRight");
-}
-out.steps = steps;
-out.shown = tip();
-out.hidden = getComputedStyle(marks.at(-1).querySelector(".tip")).opacity;
-const boxes = [...document.querySelectorAll(".tip")].map((t) => [t.getBoundingClientRect(),
-  t.closest(".frame").getBoundingClientRect()]).filter(([t]) => t.width);
-out.inside = boxes.every(([t, f]) => t.left >= f.left - 10 && t.right <= f.right + 10);
-const table = $(".points");
-const column = () => [...table.tBodies[0].rows].map((r) => r.cells[3].dataset.value);
-const button = table.tHead.rows[1].cells[3].querySelector("button");
-button.click(); out.up = column(); out.sorted = table.tHead.rows[1].cells[3].ariaSort;
-button.click(); out.down = column();
-out.wide = document.documentElement.scrollWidth > innerWidth;
-document.body.innerHTML = ""; document.body.dataset.out = JSON.stringify(out);
-"""
-
-
-@pytest.fixture(scope="module")
-def seen(text, tmp_path_factory):
-    """What a real browser shows on a narrow screen, as a script in the page finds it."""
-    if CHROMIUM is None:
-        pytest.skip("needs chromium or google-chrome")
-    folder = tmp_path_factory.mktemp("browser")
-    (folder / "page.html").write_text(
-        text.replace("</body>", f"<script>{{{CHECKS}}}</script></body>"), encoding="utf-8"
-    )
-    command = [
-        CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
-        "--disable-background-networking", "--force-prefers-reduced-motion",
-        f"--user-data-dir={folder / 'profile'}", "--window-size=500,900",
-        "--virtual-time-budget=5000", "--dump-dom", f"file://{folder / 'page.html'}",
-    ]  # fmt: skip
-    made = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-    (body,) = Page(made.stdout).of("body")
-    return json.loads(body["data-out"])
-
-
-def test_the_switch_moves_every_point_along_axes_that_stay(seen):
-    assert list(seen["modes"]) == [m.name for m in MODES] and seen["fixed"]
-    for mode in seen["modes"].values():
-        assert mode["is"] == pytest.approx(mode["want"], abs=0.3)
-        assert mode["front"] and mode["meanings"] == 1
-    assert seen["modes"]["over 1"]["is"] != seen["modes"]["warm"]["is"]
-    assert plain(seen["modes"]["new light"]["time"]) == "500 ms"
-    assert seen["lonely"]  # it has no time after a change
-
-
-def test_arrow_keys_go_from_point_to_point_and_show_what_it_is(seen):
-    assert len(seen["steps"]) == len(bunnies()) and seen["steps"] == sorted(seen["steps"])
-    assert (seen["shown"], seen["hidden"]) == ("1", "0")
-    assert all(mode["stops"] == 1 for mode in seen["modes"].values())
-
-
-def test_nothing_leaves_a_narrow_screen(seen):
-    assert seen["inside"] and not seen["wide"]
-
-
-def test_a_heading_sorts_by_numbers_with_the_unknown_last(seen):
-    (up, down), known = (seen["up"], seen["down"]), [v for v in seen["up"] if v]
-    assert [float(v) for v in known] == sorted(map(float, known))
-    assert up == known + [""] * (len(up) - len(known)) and seen["sorted"] == "ascending"
-    assert down == known[::-1] + [""] * (len(up) - len(known))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from reports.html.charts import SERIES_COLOURS, Axis, Chart, Line, line_chart
 from reports.html.figures import GAP, digits, seconds, size
 from reports.html.logaxis import LogAxis
-from reports.html.speed.words import COSTS
+from reports.html.speed.words import COSTS, sizes_of
 from reports.results import Figured
 from reports.speed.points import Growth, LobeSampling
 
@@ -37,7 +37,7 @@ def lobe_charts(lobes: Sequence[LobeSampling]) -> dict[str, list[Chart]]:
 
 
 def _growth_chart(group: Sequence[Growth]) -> Chart:
-    over, cost = group[0].over, group[0].cost
+    over, cost = sizes_of(group[0]), group[0].cost
     x = sorted({s for g in group for s in g.sizes})
     lines = []
     for found in group:

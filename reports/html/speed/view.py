@@ -140,8 +140,7 @@ def _plot(plot: Plot, object_name: str, bench: Bench) -> PlotView:
     shown = {s.point.name for s in real if len(real) <= FEW or s.states["warm"].standing == "front"}
     real.sort(key=lambda s: s.point.frame.median)
     told = {
-        s.point.name: words.verdict_of(s.point, object_name, plot.quantity, bench.equal)
-        for s in real
+        s.point.name: words.verdict_of(s.point, object_name, plot.quantity, bench) for s in real
     }
     return PlotView(
         plot,

@@ -55,61 +55,74 @@ def device_of(bench: Bench) -> str:
     return str(bench.provenance.get("device", "a device that the run does not name"))
 
 
-def verdict_of(
-    point: Point, object_name: str, quantity: Quantity, equal: Sequence[EqualError]
-) -> str:
+def verdict_of(point: Point, object_name: str, quantity: Quantity, bench: Bench) -> str:
     """One technique's time and error, and what path tracing needs to be as good."""
     error = quantity.of(error_of(point, object_name))
     said = f"{seconds(point.frame.median)} a frame, {quantity.inline} {quantity.show(error.value)}."
     found = {
-        e.against: e for e in equal
+        e.against: e for e in bench.equal
         if (e.case, e.object, e.technique, e.figure)
         == (point.case, object_name, point.name, quantity.field)
     }  # fmt: skip
-    needs = [_need(found[f]) for f in FAMILIES if f in found]
+    needs = [_need(found[f], point, bench) for f in FAMILIES if f in found]
     if not needs:
         return said
     whole = "; ".join(needs)
     return f"{said} {whole[0].upper()}{whole[1:]}."
 
 
-def _need(equal: EqualError) -> str:
+def _need(equal: EqualError, point: Point, bench: Bench) -> str:
     """What one path tracer needs to be as good as a technique."""
     who = NEEDS.get(equal.against, equal.against)
-    if equal.beyond == "above":
-        return f"{who} does not get as good with the samples that were measured"
     if equal.beyond == "below":
-        return f"{who} is better at once, with 1 sample{_time(equal)}"
+        return f"{who} is better at once{_fewest(equal, point, bench)}"
+    if not math.isfinite(equal.samples.value):
+        if equal.beyond == "above":
+            return f"{who} does not get as good with the samples that were measured"
+        return f"what {who} needs to be as good is lost in noise"
     count = digits(equal.samples.value)
     plural = "" if count == "1" else "s"
-    return f"{who} needs {count} sample{plural}{_ends(equal.samples)} to be as good{_time(equal)}"
+    more = ", more than were measured," if equal.beyond == "above" else ""
+    needs = f"{who} needs {count} sample{plural}{_ends(equal.samples)}{more} to be as good"
+    return needs + _time(equal.seconds, equal.ratio)
 
 
-def _time(equal: EqualError) -> str:
-    """The seconds that takes, beside the technique's frame; empty where they are unknown."""
-    ratio = equal.ratio.value
-    if not math.isfinite(equal.seconds.value):
+def _fewest(equal: EqualError, point: Point, bench: Bench) -> str:
+    """The fewest samples of a path tracer, and what they take beside a technique's frame."""
+    own = [p for p in bench.points if (p.case, p.family) == (point.case, equal.against)]
+    if not own:
         return ""
-    took = f": {seconds(equal.seconds.value)}"
-    if not math.isfinite(ratio):
-        return took
-    beside = f"{digits(ratio)} times as long" if ratio >= 1 else f"{percent(ratio)} of the time"
-    scaled = equal.ratio
-    if ratio < 1:
-        scaled = Figured(value=100 * ratio, low=100 * scaled.low, high=100 * scaled.high)
-    return f"{took}, {beside}{_ends(scaled)}"
+    least = min(own, key=lambda p: p.samples)
+    ratio = least.frame.median / point.frame.median if point.frame.median else math.nan
+    plural = "s" * (least.samples != 1)
+    alone = (Figured(value=v, low=math.nan, high=math.nan) for v in (least.frame.median, ratio))
+    return f", with {least.samples} sample{plural}{_time(*alone)}"
+
+
+def _time(took: Figured, ratio: Figured) -> str:
+    """Seconds, beside the technique's frame; empty where they are unknown."""
+    if not math.isfinite(took.value):
+        return ""
+    said = f": {seconds(took.value)}"
+    if not math.isfinite(ratio.value):
+        return said
+    if ratio.value >= 1:
+        return f"{said}, {digits(ratio.value)} times as long{_ends(ratio)}"
+    share = Figured(value=100 * ratio.value, low=100 * ratio.low, high=100 * ratio.high)
+    return f"{said}, {percent(ratio.value)} of the time{_ends(share)}"
 
 
 def _ends(figure: Figured) -> str:
     """An interval in brackets; nothing where it is unknown or too narrow to tell."""
     low, high = digits(figure.low), digits(figure.high)
-    known = math.isfinite(figure.low) and math.isfinite(figure.high) and low != high
-    return f" ({low} to {high})" if known else ""
+    if not math.isfinite(figure.low) or low == high:
+        return ""
+    return f" ({low} to {high})" if math.isfinite(figure.high) else f" ({low} or more)"
 
 
 def growth(found: Growth) -> Markup:
     """How one cost grows, as HTML: 'paper: frame time grows as pixels to 0.86 (0.83 to 0.90)'."""
-    power, named = found.exponent, (found.technique, COSTS[found.cost], found.over)
+    power, named = found.exponent, (found.technique, COSTS[found.cost], sizes_of(found))
     if not math.isfinite(power.value):
         return Markup("<b>{}</b>: noise hides how {} grows with {}").format(*named)
     ends = ""
@@ -119,6 +132,11 @@ def growth(found: Growth) -> Markup:
     base = f", beside {show(found.base)} that do not grow" if found.base > 0 else ""
     raised = Markup("<b>{}</b>: {} grows as {}<sup>{}</sup>").format(*named, number(power.value, 2))
     return raised + ends + base
+
+
+def sizes_of(found: Growth) -> str:
+    """What a cost grows with."""
+    return "environment texels" if found.over == "environment" else found.over
 
 
 def _at_paper_size(bench: Bench) -> list[Point]:
