@@ -1,5 +1,6 @@
 """Commands that measure the instruments: speed, intervals, shaders and the paper's claim."""
 
+from enum import StrEnum
 from functools import partial
 from typing import Annotated
 
@@ -9,11 +10,23 @@ from reports.cli.app import app, console
 from reports.cli.options import takes_job
 
 
+class Extra(StrEnum):
+    """What a bench measures besides the points of its cases."""
+
+    needs = "needs"
+    lobes = "lobes"
+    growth = "growth"
+
+
 @app.command()
 @takes_job("suite", "out", "store", "filter", suite="bench")
 def bench(
     job,
     frames: Annotated[int, typer.Option(min=3, help="Warm frames of each way to draw.")] = 9,
+    skip: Annotated[
+        list[Extra] | None,
+        typer.Option(help="Leave this unmeasured; may be repeated."),
+    ] = None,
 ) -> None:
     """Measure time and error of every technique beside path tracing, raw and denoised."""
     from reports.html.speed import write_page
@@ -21,7 +34,7 @@ def bench(
     from reports.speed.points import save_bench
     from reports.speed.table import print_bench
 
-    found = measure(job, frames)
+    found = measure(job, frames, skip or ())
     save_bench(found, job.out / "bench.json")
     print_bench(found, console)
     console.print(f"page: {write_page(found, job.out).resolve()}", soft_wrap=True)

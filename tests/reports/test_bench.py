@@ -41,7 +41,8 @@ def ran(shadeproof, tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")
     (folder / "small.toml").write_text(SUITE)
     words = ("--suite", folder / "small.toml", "--out", folder / "out", "--frames", 3)
-    code, out, err = shadeproof("bench", *words)
+    # Both have tests of their own, in smaller sizes.
+    code, out, err = shadeproof("bench", *words, "--skip", "lobes", "--skip", "growth")
     return SimpleNamespace(code=code, out=out, err=err, folder=folder / "out")
 
 
@@ -59,6 +60,13 @@ def case(ran):
 
 def family(bench, name):
     return [p for p in bench.points if p.family == name]
+
+
+def test_a_bench_tells_what_its_cases_do_without_and_what_was_skipped(found):
+    told = {x.what for x in found.left_out if x.exact}
+    assert {"paper: Beckmann lobe", "sampled@4: diffuse lobe"} <= told  # copper, GGX alone
+    assert not found.lobes and not found.growths
+    assert {"lobes: --skip lobes", "growth: --skip growth"} <= set(found.skipped)
 
 
 def test_a_bench_ends_well_and_leaves_its_points(ran, found):

@@ -4,6 +4,7 @@ import datetime
 import os
 import platform
 import time
+from collections.abc import Collection
 from importlib import metadata
 from typing import Any
 
@@ -14,26 +15,33 @@ from reports.compare import Truth, exposures_of
 from reports.progress import Reporter, reporting
 from reports.run.bench import kernels
 from reports.run.bench.equal import equal_errors
+from reports.run.bench.growth import STEPS as GROWTH_STEPS
+from reports.run.bench.growth import grown
 from reports.run.bench.measured import Measured, measure
+from reports.run.bench.needs import left_out
 from reports.run.bench.realtime import NO_CACHES, RealTime
 from reports.run.bench.way import Way
 from reports.run.job import Job, make_folder
-from reports.speed.points import Bench, EqualError, Point
+from reports.speed.lobes import lobe_sampling
+from reports.speed.points import Bench, EqualError, LeftOut, Point
 from scenes.schema import Case
-from scenes.suite import Entry
+from scenes.suite import HERE, Entry
 
 ROUNDS = 9
 PACKAGES = ("mitsuba", "drjit", "mitsuba-oidn", "moderngl", "numpy")
 STEPS = 4  # of a case, that are told
+LIGHT = HERE / "environments" / "courtyard.exr"  # under which a lobe's sampling is measured too
 
 
-def bench(job: Job, rounds: int = ROUNDS) -> Bench:
+def bench(job: Job, rounds: int = ROUNDS, skip: Collection[str] = ()) -> Bench:
     """Measure every case of a job: points, and what path tracing needs to be as good.
 
     Nothing is written but the references that are lacking, and the folder for the results.
 
     Args:
         rounds: warm frames of each way.
+        skip: what to leave unmeasured: `needs`, what each case does without; `lobes`, the
+            sampling of a mixture; `growth`, how costs grow.
 
     Raises:
         InputError: an input cannot be used, a folder cannot be written, or there is no LLVM.
@@ -51,7 +59,10 @@ def bench(job: Job, rounds: int = ROUNDS) -> Bench:
         skipped.append(f"GPU times: {device().name} is no GPU")
     points: list[Point] = []
     equal: list[EqualError] = []
-    with reporting(STEPS * len(job.entries)) as report:
+    without: list[LeftOut] = []
+    steps = STEPS + ("needs" not in skip)
+    extra = ("lobes" not in skip) + GROWTH_STEPS * ("growth" not in skip)
+    with reporting(steps * len(job.entries) + extra) as report:
         for entry in job.entries:
             measured = _measured(job, entry, rounds, not lacking, report)
             report.step(f"{entry.case.id}: first starts, changes and memory")
@@ -62,6 +73,15 @@ def bench(job: Job, rounds: int = ROUNDS) -> Bench:
                 skipped += [f"{entry.case.id}: {m.way.name}: {p}" for p in m.problems()]
                 m.way.close()
             equal += equal_errors(entry.case, measured)
+            if "needs" not in skip:
+                report.step(f"{entry.case.id}: what it does without")
+                without += left_out(entry.case, entry.techniques)
+        lobes = []
+        if "lobes" not in skip:
+            report.step("directions that a mixture takes")
+            lobes = lobe_sampling((LIGHT,))
+        growths = [] if "growth" in skip else grown(report)
+    skipped += [f"{name}: --skip {name}" for name in skip]
     return Bench(
         suite=job.path.stem,
         suite_path=str(job.path),
@@ -71,6 +91,9 @@ def bench(job: Job, rounds: int = ROUNDS) -> Bench:
         provenance=_provenance(),
         points=points,
         equal=equal,
+        growths=growths,
+        left_out=without,
+        lobes=lobes,
         skipped=skipped,
     )
 
