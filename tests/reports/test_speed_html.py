@@ -14,7 +14,7 @@ from reports.html.speed.scatter import MODES, plots
 from reports.html.speed.view import speed_view
 from reports.html.speed.words import growth, headline, paper_rate, verdict_of
 from reports.results import Figured, Results
-from reports.speed.points import save_bench
+from reports.speed.points import LeftOut, save_bench
 from tests.reports.benches import (
     EVIL,
     NAN,
@@ -265,18 +265,21 @@ def told(*found, quantity=0):
         ),
         (
             [equal("denoised", NAN, NAN, NAN, "above")],
-            "Denoised, it does not get as good with the samples that were measured.",
+            "Mitsuba with a denoiser does not get as good with the samples that were measured.",
         ),
         (
             [equal("denoised", NAN, NAN, NAN, "below"), equal(ratio=NAN)],
-            "to be as good: 800 ms; denoised, it is better at once, with 1 sample: 870 ms, "
-            "13.4 times as long.",
+            "to be as good: 800 ms; Mitsuba with a denoiser is better at once, with 1 sample: "
+            "870 ms, 13.4 times as long.",
         ),
         (
             [equal(samples=300, ratio=NAN, took=NAN, beyond="above")],
             "Mitsuba needs 300 samples (270 to 330), more than were measured, to be as good.",
         ),
-        ([equal(samples=NAN, took=NAN, ratio=NAN)], "needs to be as good is lost in noise."),
+        (
+            [equal(samples=NAN, took=NAN, ratio=NAN)],
+            "Noise hides how many samples Mitsuba would need.",
+        ),
         (
             [equal(object="silver"), equal(case="x"), equal(figure="one_minus_ssim"),
              equal(technique="x")],
@@ -336,7 +339,7 @@ def test_the_table_holds_every_point_and_only_columns_with_figures():
     line = dict(zip(headings[:4], table.lines[0].cells, strict=False))
     assert plain(line["median"].text) == "65 ms" and plain(line["a second"].text) == "15.4"
     assert plain(line["GPU"].text) == "60 ms"
-    assert line["1 sample = 1"].number == pytest.approx(0.065 / 0.31)
+    assert line["× 1 sample"].number == pytest.approx(0.065 / 0.31)
     assert "GPU" not in [h for _, found in view.cases[2].table.groups for h in found]
 
 
@@ -353,3 +356,18 @@ def test_sizes_and_numbers_have_three_digits():
         "120 MB", "4.57 GB", "1 GB", "–",
     ]  # fmt: skip
     assert [digits(v) for v in (3.0, 0.0677, -12.34, 0)] == ["3", "0.0677", "−12.3", "0"]
+
+
+def test_what_is_left_out_is_told_with_its_proof():
+    exact = LeftOut(case="crowd", what="a", why="b", exact=True, difference=3.1e-9)
+    found = [
+        exact,
+        exact.model_copy(update={"difference": 0.0, "saved_seconds": 0.0042}),
+        exact.model_copy(update={"exact": False, "difference": 0.0004, "interval": 0.002}),
+        exact.model_copy(update={"difference": NAN}),
+    ]
+    (case,) = speed_view(small_bench(points=crowd()[:1], left_out=found)).cases
+    assert [plain(x.difference) for x in case.left_out] == [
+        "the frame by relMSE 3.1e−9", "nothing", "the truth by 0.04 %, known within 0.20 %", "–",
+    ]  # fmt: skip
+    assert [plain(x.saved) for x in case.left_out] == ["–", "4.2 ms", "–", "–"]

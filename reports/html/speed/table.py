@@ -45,7 +45,7 @@ def point_table(points: Sequence[Point], objects: Sequence[str]) -> PointTable:
             "median": lambda p: _time(p.frame.median, p.frame.low, p.frame.high),
             "a second": lambda p: _plain(_over(1, p.frame.median), digits),
             "GPU": lambda p: _time(p.gpu.median, p.gpu.low, p.gpu.high) if p.gpu else _time(),
-            "1 sample = 1": lambda p: _plain(_over(p.frame.median, sample), digits),
+            "× 1 sample": lambda p: _plain(_over(p.frame.median, sample), digits),
         },
         "Made once": {
             "compilation": lambda p: _time(p.compilation),
@@ -59,7 +59,8 @@ def point_table(points: Sequence[Point], objects: Sequence[str]) -> PointTable:
         },
     }
     columns = costs | {name: _errors(name) for name in objects}
-    groups, kept = [], []
+    groups: list[tuple[str, list[str]]] = []
+    kept: list[Callable[[Point], Cell]] = []
     for group, found in columns.items():
         shown = {
             h: make for h, make in found.items() if any(make(p).number is not None for p in points)

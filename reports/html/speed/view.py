@@ -153,14 +153,15 @@ def _plot(plot: Plot, object_name: str, bench: Bench) -> PlotView:
 def _left_out(found: LeftOut) -> LeftOutView:
     if not math.isfinite(found.difference):
         difference = NONE
-    elif found.exact:
+    elif found.exact and found.difference == 0:
+        difference = "nothing"
+    elif found.exact or not math.isfinite(found.interval):
         difference = f"the frame by relMSE {found.difference:.1e}".replace("e-0", "e-").replace(
             "-", "−"
         )
     else:
         difference = f"the truth by {percent(found.difference)}"
-        if math.isfinite(found.interval):
-            difference += f", known within {percent(found.interval)}"
+        difference += f", known within {percent(found.interval)}"
     return LeftOutView(
         what=found.what,
         why=found.why,

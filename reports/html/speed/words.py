@@ -14,7 +14,7 @@ from reports.speed.points import Bench, EqualError, Family, Growth, Point
 # Plus 640 GPU": Cole, section IV.B.
 PAPER_SECONDS, PAPER_SIZE = 1 / 60, (1920, 1080)
 SIZE = "×".join(map(str, PAPER_SIZE))
-NEEDS: dict[Family, str] = {"path traced": "Mitsuba", "denoised": "denoised, it"}
+NEEDS: dict[Family, str] = {"path traced": "Mitsuba", "denoised": "Mitsuba with a denoiser"}
 COSTS = {"frame": "frame time", "precomputation": "precomputation", "memory": "memory"}
 
 
@@ -79,7 +79,7 @@ def _need(equal: EqualError, point: Point, bench: Bench) -> str:
     if not math.isfinite(equal.samples.value):
         if equal.beyond == "above":
             return f"{who} does not get as good with the samples that were measured"
-        return f"what {who} needs to be as good is lost in noise"
+        return f"noise hides how many samples {who} would need"
     count = digits(equal.samples.value)
     plural = "" if count == "1" else "s"
     more = ", more than were measured," if equal.beyond == "above" else ""
