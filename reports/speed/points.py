@@ -123,8 +123,9 @@ class Growth(Record):
 class LeftOut(Record):
     """One thing that a case does without, and the proof.
 
-    `exact`: with it on the frame is the same, within `difference` (relMSE); else it is an
-    approximation, and the truth moves by `difference` where its interval is `interval`.
+    `exact`: with it on the frame is the same, within `difference` (relMSE). Else it is another
+    picture, by `difference`; or an approximation of the truth, where `interval` is known: the truth
+    moves by `difference` where its interval is `interval`.
     """
 
     case: str
