@@ -61,7 +61,8 @@ class Goal:
     def told(self, point: Point) -> str:
         """What a point was measured to cost and to err, in words."""
         time, error = f"{point.frame.median * 1e3:.3g} ms a frame", self.error(point)
-        return f"{point.name}, {time}, {ERRORS[self.figure]} up to {error:.3g}"
+        up_to = f"up to {error:.3g}" if math.isfinite(error) else "unknown"
+        return f"{point.name}, {time}, {ERRORS[self.figure]} {up_to}"
 
 
 class OutOfReachError(Exception):
