@@ -4,6 +4,7 @@ from pathlib import Path
 
 import moderngl
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 
 from renderer.context import context
 from scenes.environment import load_environment
@@ -36,20 +37,24 @@ def pyramid(radiance: np.ndarray) -> list[np.ndarray]:
     levels = [np.asarray(radiance, np.float32)]
     while max(levels[-1].shape[:2]) > 1:
         below = levels[-1]
-        rows = _overlap(below.shape[0], max(below.shape[0] // 2, 1)) * weights
-        columns = _overlap(below.shape[1], max(below.shape[1] // 2, 1))
+        rows = _overlap(below.shape[0], max(below.shape[0] // 2, 1)) @ diags_array(weights)
         weights = rows.sum(axis=1)
-        rows /= np.maximum(weights, 1e-30)[:, None]
-        columns /= columns.sum(axis=1, keepdims=True)
-        levels.append(np.einsum("rh,hwc->rwc", rows, below, optimize=True))
-        levels[-1] = np.einsum("cw,rwk->rck", columns, levels[-1], optimize=True).astype(np.float32)
+        halved = _averaged(rows, below)
+        columns = _overlap(below.shape[1], max(below.shape[1] // 2, 1))
+        levels.append(_averaged(columns, halved.swapaxes(0, 1)).swapaxes(0, 1).astype(np.float32))
     return levels
 
 
-def _overlap(fine: int, coarse: int) -> np.ndarray:
+def _averaged(overlap: csr_array, cells: np.ndarray) -> np.ndarray:
+    """Means (m, ...) of cells (n, ...), weighted by an overlap (m, n)."""
+    weights = np.maximum(overlap.sum(axis=1), 1e-30)
+    sums = overlap @ cells.reshape(len(cells), -1)
+    return (sums / weights[:, None]).reshape(-1, *cells.shape[1:])
+
+
+def _overlap(fine: int, coarse: int) -> csr_array:
     """How much of each fine cell lies in each coarse cell, (coarse, fine), in fine cells."""
-    fine_edges = np.arange(fine + 1)
-    coarse_edges = np.linspace(0, fine, coarse + 1)
-    low = np.maximum(coarse_edges[:-1, None], fine_edges[None, :-1])
-    high = np.minimum(coarse_edges[1:, None], fine_edges[None, 1:])
-    return np.maximum(high - low, 0.0)
+    edges = np.union1d(np.arange(fine + 1), np.linspace(0, fine, coarse + 1))
+    middle = (edges[1:] + edges[:-1]) / 2  # of the pieces between edges of either kind
+    places = (middle * coarse / fine).astype(int), middle.astype(int)
+    return csr_array((np.diff(edges), places), shape=(coarse, fine))
