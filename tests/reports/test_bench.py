@@ -18,6 +18,7 @@ from reports.run.bench.measured import PICTURES, measure, timed
 from reports.run.bench.way import Cost, Way, changed
 from reports.speed.points import Bench, Point, load_bench
 from reports.speed.table import print_bench
+from scenes.schema import Material
 from scenes.suite import expand, load_suite
 
 SUITE = """
@@ -36,14 +37,21 @@ CHANGES = {"light", "material", "weight", "geometry"}
 
 
 @pytest.fixture(scope="module")
-def ran(shadeproof, tmp_path_factory):
+def suite(tmp_path_factory):
+    """The path of the tiny suite."""
+    path = tmp_path_factory.mktemp("suite") / "small.toml"
+    path.write_text(SUITE)
+    return path
+
+
+@pytest.fixture(scope="module")
+def ran(shadeproof, suite, tmp_path_factory):
     """Exit code, what was printed, and the folder of a bench."""
     folder = tmp_path_factory.mktemp("bench")
-    (folder / "small.toml").write_text(SUITE)
-    words = ("--suite", folder / "small.toml", "--out", folder / "out", "--frames", 3)
+    words = ("--suite", suite, "--out", folder, "--frames", 3)
     # Both have tests of their own, in smaller sizes.
     code, out, err = shadeproof("bench", *words, "--skip", "lobes", "--skip", "growth")
-    return SimpleNamespace(code=code, out=out, err=err, folder=folder / "out")
+    return SimpleNamespace(code=code, out=out, err=err, folder=folder)
 
 
 @pytest.fixture(scope="module")
@@ -53,13 +61,17 @@ def found(ran):
 
 
 @pytest.fixture
-def case(ran):
-    (entry,) = expand(*load_suite(str(ran.folder.parent / "small.toml")))
+def case(suite):
+    (entry,) = expand(*load_suite(str(suite)))
     return entry.case
 
 
 def family(bench, name):
     return [p for p in bench.points if p.family == name]
+
+
+def frame_of(bench, equal):
+    return next(p.frame.median for p in bench.points if p.name == equal.technique)
 
 
 def test_a_bench_tells_what_its_cases_do_without_and_what_was_skipped(found):
@@ -117,10 +129,12 @@ def test_what_is_made_once_stands_apart_from_frames(found):
 def test_every_technique_is_held_against_both_families(found):
     told = {(e.technique, e.against, e.figure) for e in found.equal}
     assert len(told) == len(found.equal) == 2 * 2 * 2
-    for e in found.equal:
-        if e.beyond == "":
-            assert e.samples.low <= e.samples.value <= e.samples.high
-            assert e.ratio.value > 0
+    known = [e for e in found.equal if not math.isnan(e.samples.value)]
+    assert {e.against for e in known} == {"path traced", "denoised"}
+    for e in known:
+        assert e.beyond in ("", "above")
+        assert e.samples.low <= e.samples.value <= e.samples.high
+        assert e.ratio.value == pytest.approx(e.seconds.value / frame_of(found, e), rel=0.5)
 
 
 def test_the_schema_in_the_docs_is_the_schema(request):
@@ -245,13 +259,21 @@ def test_parameters_that_are_set_change_the_path_traced_picture(case, change):
 
 
 def test_guides_are_reflectance_and_normals_on_the_object_and_nothing_beside_it(case):
-    from reports.run.bench.denoised import DenoisedTracer, reflectance
+    from reports.run.bench.denoised import DenoisedTracer
 
     traced = DenoisedTracer(case).traced(16, 0).numpy()
     middle, corner = traced[40, 32], traced[0, 0]
-    assert middle[3:6] == pytest.approx(reflectance(case.objects[0]), rel=1e-5)
+    assert middle[3:6] == pytest.approx(case.objects[0].material.specular_f0, rel=1e-5)
     assert np.linalg.norm(middle[6:9]) == pytest.approx(1, abs=0.2)
     assert (corner[3:] == 0).all() and (corner[:3] > 0).any()
+
+
+def test_the_reflectance_of_plastic_is_what_both_lobes_send_back(case):
+    from reports.run.bench.denoised import reflectance
+
+    material = Material(albedo=(0.5, 0.2, 0.99), roughness=0.5, metallic=0, f0=0.04)
+    plastic = case.objects[0].model_copy(update={"material": material})
+    assert reflectance(plastic) == pytest.approx([0.54, 0.24, 1])
 
 
 def test_without_the_denoiser_one_line_says_what_is_left_out(monkeypatch):

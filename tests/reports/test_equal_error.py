@@ -59,11 +59,11 @@ def test_a_denoiser_that_stops_getting_better_is_never_as_good():
     assert found.beyond == "above"
 
 
-def test_a_bump_in_the_curve_leaves_it_falling():
-    bumpy = curve(falling)
-    bumpy.errors[3] *= 2.5  # 8 samples worse than 4
-    found = need(Estimate(falling(30.0)), np.full(ROUNDS, 0.05), bumpy, "monotone")
-    assert found.samples.value == pytest.approx(30, rel=0.01)
+def test_one_lucky_number_of_samples_does_not_decide():
+    lucky = curve(falling)
+    lucky.errors[2] *= 0.4  # 4 samples better than 8
+    found = need(Estimate(falling(8.9)), np.full(ROUNDS, 0.05), lucky, "monotone")
+    assert found.samples.value == pytest.approx(8.9, rel=0.1)
 
 
 def test_unknown_noise_leaves_the_figure_without_an_interval():

@@ -1,10 +1,10 @@
 """Mitsuba as a user would run it: the stock path tracer on the case's model, sampler at its best.
 
 The sampler is `multijitter`. Measured once on one bunny at 256x256 in the courtyard, beside
-`independent` at the same samples: a picture takes as long within the noise of timing (2.19 s for
-2.07 at 64 samples), and at 64 samples the squared local energy error is 2.0, 1.3 and 3.2 times
-smaller (copper, silver, red plastic), 1 - SSIM 1.5, 1.4 and 2.0 times. So the square falls faster
-than 1 / k, and the law that is fitted has its exponent free.
+`independent` at the same samples: at 64 the squared local energy error is 2.0, 1.3 and 3.2 times
+smaller (copper, silver, red plastic) and 1 - SSIM 1.5, 1.3 and 2.0 times, and a picture takes 1.00
+to 1.07 times as long (at 16, medians of 15 pairs in turn). So the square falls faster than 1 / k,
+and the law that is fitted has its exponent free.
 """
 
 from collections.abc import Callable
