@@ -35,8 +35,8 @@ report: .venv/.stamp ## write the report anew from the results in OUT
 references: .venv/.stamp ## render the references a suite needs and keep them
 	@$(BIN)/shadeproof references --suite '$(SUITE)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
-bench: .venv/.stamp ## time every technique beside one path-traced sample per pixel at 1920x1080
-	@$(BIN)/shadeproof bench $(ARGS)
+bench: .venv/.stamp ## speed against error: every technique beside path tracing, raw and denoised
+	@$(BIN)/shadeproof bench --out '$(OUT)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
 stability: .venv/.stamp ## hold the shaders against double precision and Mitsuba, per direction
 	@$(BIN)/shadeproof stability $(ARGS)

@@ -121,11 +121,11 @@ class Renderer:
             "alpha": material.alpha,
             "weight_d": (material.weight, 1 - material.weight),
             "weight_g": (material.masking_weight, 1 - material.masking_weight),
-            "sharers": how.sets if how.filtered else 1e9,
+            "light_sharers": how.supersample**2 if how.filtered else 1e9,
             "lobe_samples": split_samples(material, how.samples_per_set),
             "prefilter_levels": float(LEVELS),
             "coverage_samples": how.msaa,
-            "sets": max(how.msaa, 1) if how.per_pixel else 1,
+            "most_sets": max(how.msaa, 1) if how.per_pixel else 1,
         }
         vertices = vertex_array(obj.mesh, raster)
         within = covered((obj,), camera, size)

@@ -113,7 +113,7 @@ class Technique:
 TECHNIQUES = {
     "paper": Technique("paper", "shade_paper.glsl", per_pixel=False),
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
-    "sampled": Technique("sampled", "shade_sampled.glsl", samples=64),
+    "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
 }
 
 

@@ -5,5 +5,5 @@ centroid in vec3 to_eye;
 layout(location = 0) out vec4 colour;
 
 void main() {
-    colour = vec4(reflected(normalize(world_normal), normalize(to_eye), 0), 1.0);
+    colour = vec4(reflected(normalize(world_normal), normalize(to_eye), 0, 1), 1.0);
 }

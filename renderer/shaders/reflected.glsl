@@ -1,15 +1,15 @@
 #include "shade.glsl"
 
 // What a surface of the drawn material sends to the eye.
-// `set` tells apart the sets of samples that share a pixel.
+// `set` of `sets` tells apart the shading points that share the pixel's directions.
 uniform vec3 albedo;
 uniform vec3 f0;
 uniform float alpha;
 uniform vec2 weight_d;
 uniform vec2 weight_g;
 
-vec3 reflected(vec3 n, vec3 v, int set) {
+vec3 reflected(vec3 n, vec3 v, int set, int sets) {
     // An interpolated normal that faces away from the eye reflects nothing: Mitsuba's rule too.
     if (dot(n, v) <= 0.0) return vec3(0.0);
-    return shade(n, v, Material(albedo, f0, alpha, weight_d, weight_g), set);
+    return shade(n, v, Material(albedo, f0, alpha, weight_d, weight_g), set, sets);
 }

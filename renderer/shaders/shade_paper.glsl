@@ -45,7 +45,7 @@ vec2 scale_bias(float cos_theta, Material m) {
 #endif
 }
 
-vec3 shade(vec3 n, vec3 v, Material m, int _set) {
+vec3 shade(vec3 n, vec3 v, Material m, int _set, int _sets) {
     float cos_theta = dot(n, v);
     vec2 ab = scale_bias(cos_theta, m);
     vec3 L = prefiltered(reflect(-v, n), m) * (m.f0 * ab.x + ab.y);

@@ -8,34 +8,34 @@
 
 // The model's exact BRDF over sampled directions with filtered look-ups. Each lobe has its own
 // share of the samples; the balance heuristic (Veach and Guibas 1995) joins them without bias.
-uniform ivec3 lobe_samples; // GGX, Beckmann, cosine
-uniform int sets;           // of samples of one shading point each, in a pixel
-uniform float sharers;      // how many sets the light is filtered for
+uniform ivec3 lobe_samples;  // GGX, Beckmann, cosine, where a pixel has `most_sets` shading points
+uniform int most_sets;
+uniform float light_sharers; // how many such pixels make one of the picture; huge for no filter
 
 float pdf_half_vector(float D, vec3 h, float wo_h) {
     return D * h.z / (4.0 * wo_h);
 }
 
 // Density of all samples together, per steradian; integrates to their number.
-float sample_density(vec3 wi, vec3 wo, Material m) {
+float sample_density(vec3 wi, vec3 wo, Material m, ivec3 count) {
     float wo_h = 0.5 * length(wi + wo); // as in brdf.glsl: f and density err alike and cancel
     vec3 h = (wi + wo) / (2.0 * wo_h);
     float density = 0.0;
 #ifdef D_GGX
-    density += float(lobe_samples.x) * pdf_half_vector(D_ggx(h, m.alpha), h, wo_h);
+    density += float(count.x) * pdf_half_vector(D_ggx(h, m.alpha), h, wo_h);
 #endif
 #ifdef D_BECKMANN
-    density += float(lobe_samples.y) * pdf_half_vector(D_beckmann(h, m.alpha), h, wo_h);
+    density += float(count.y) * pdf_half_vector(D_beckmann(h, m.alpha), h, wo_h);
 #endif
 #ifdef DIFFUSE
-    density += float(lobe_samples.z) * wi.z * INV_PI;
+    density += float(count.z) * wi.z * INV_PI;
 #endif
     return density;
 }
 
-vec3 incident(vec3 wi, vec3 wo, mat3 to_world, Material m) {
+vec3 incident(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec3 count, float sharers) {
     if (wi.z <= 0.0) return vec3(0.0);
-    float density = sample_density(wi, wo, m);
+    float density = sample_density(wi, wo, m, count);
     if (density <= 0.0) return vec3(0.0);
     vec3 world = to_world * wi;
     return brdf(wi, wo, m) * wi.z / density * radiance(world, radiance_lod(world, density, sharers));
@@ -52,31 +52,33 @@ vec2 pixel_shift() {
 
 // Point i of the n that one of the pixel's sets has: its part of one set for the whole pixel. Where
 // the sets see alike they are as good as that one; each takes its own range of u.x.
-vec2 sample_point(int i, int n, int set, vec2 shift) {
+vec2 sample_point(int i, int n, int set, int sets, vec2 shift) {
     return fract(hammersley(uint(set * n + i), uint(n * sets)) + shift);
 }
 
-vec3 shade(vec3 n, vec3 v, Material m, int set) {
+vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
     mat3 to_world = tangent_frame(n);
     vec3 wo = v * to_world;
     vec2 shift = pixel_shift();
+    ivec3 count = lobe_samples * (most_sets / sets);
+    float sharers = light_sharers * float(sets);
     vec3 L = vec3(0.0);
 #ifdef D_GGX
-    for (int i = 0; i < lobe_samples.x; ++i) {
-        vec2 u = sample_point(i, lobe_samples.x, set, shift);
-        L += incident(reflect(-wo, sample_ggx(u, m.alpha)), wo, to_world, m);
+    for (int i = 0; i < count.x; ++i) {
+        vec2 u = sample_point(i, count.x, set, sets, shift);
+        L += incident(reflect(-wo, sample_ggx(u, m.alpha)), wo, to_world, m, count, sharers);
     }
 #endif
 #ifdef D_BECKMANN
-    for (int i = 0; i < lobe_samples.y; ++i) {
-        vec2 u = sample_point(i, lobe_samples.y, set, shift);
-        L += incident(reflect(-wo, sample_beckmann(u, m.alpha)), wo, to_world, m);
+    for (int i = 0; i < count.y; ++i) {
+        vec2 u = sample_point(i, count.y, set, sets, shift);
+        L += incident(reflect(-wo, sample_beckmann(u, m.alpha)), wo, to_world, m, count, sharers);
     }
 #endif
 #ifdef DIFFUSE
-    for (int i = 0; i < lobe_samples.z; ++i) {
-        vec2 u = sample_point(i, lobe_samples.z, set, shift);
-        L += incident(sample_cosine(u), wo, to_world, m);
+    for (int i = 0; i < count.z; ++i) {
+        vec2 u = sample_point(i, count.z, set, sets, shift);
+        L += incident(sample_cosine(u), wo, to_world, m, count, sharers);
     }
 #endif
     return L;

@@ -1,8 +1,9 @@
 #version 330
 #include "reflected.glsl"
 #include "eye_ray.glsl"
-// Shades an object pixel by pixel, however many triangles it has there. With antialiasing each
-// coverage sample is shaded by its own normal: a mirror shows what is finer than a pixel.
+// Shades an object pixel by pixel, however many triangles it has there. With antialiasing,
+// coverage samples whose normals are alike are shaded as one; else each by its own normal, for a
+// mirror shows what is finer than a pixel.
 in vec2 uv;
 #ifdef ANTIALIASED
 uniform sampler2DMS surfaces;
@@ -15,18 +16,32 @@ uniform ivec2 corner; // of the surfaces' rectangle in the picture
 uniform float number;
 layout(location = 0) out vec4 colour;
 
+vec4 surface_at(ivec2 pixel, int i) {
+#ifdef ANTIALIASED
+    return texelFetch(surfaces, pixel, i);
+#else
+    return texelFetch(surfaces, pixel, 0);
+#endif
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy) - corner;
-    vec3 v = -normalize(eye_ray(uv));
-    vec4 sum = vec4(0.0); // of light; of the samples that are the object's
+    vec4 sum = vec4(0.0); // of normals; of the samples that are the object's
     for (int i = 0; i < coverage_samples; ++i) {
-#ifdef ANTIALIASED
-        vec4 surface = texelFetch(surfaces, pixel, i);
-#else
-        vec4 surface = texelFetch(surfaces, pixel, 0);
-#endif
-        if (surface.w == number) sum += vec4(reflected(surface.xyz, v, i), 1.0);
+        vec4 surface = surface_at(pixel, i);
+        if (surface.w == number) sum += vec4(surface.xyz, 1.0);
     }
     if (sum.w == 0.0) discard;
-    colour = sum / float(coverage_samples);
+    // 2 (1 - r) is the variance of normals whose mean has length r. Below (alpha / 4)² it widens
+    // the lobe by 3 % at most.
+    float spread = 2.0 * (1.0 - length(sum.xyz) / sum.w);
+    bool alike = spread <= alpha * alpha / 16.0;
+    int sets = alike ? 1 : coverage_samples;
+    vec3 v = -normalize(eye_ray(uv)), L = vec3(0.0);
+    for (int i = 0; i < sets; ++i) {
+        vec4 surface = alike ? vec4(normalize(sum.xyz), number) : surface_at(pixel, i);
+        if (surface.w == number) L += reflected(surface.xyz, v, i, sets);
+    }
+    float share = sum.w / float(coverage_samples);
+    colour = vec4(L / (alike ? 1.0 : sum.w) * share, share);
 }
