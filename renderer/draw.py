@@ -84,9 +84,7 @@ class Renderer:
             self._draw(number, obj, case.model, camera, size, frame, maps)
             for number, obj in enumerate(case.objects, start=1)
         ]
-        target = make_target(
-            size, self.technique.msaa, covered(case.objects, camera, size), self.technique.per_pixel
-        )
+        target = make_target(size, self.technique.msaa, covered(case.objects, camera, size))
         background = program("fullscreen.vert", "background.frag")
         rays = frame | {"pixel_area": _pixel_area(camera, case)}
         return Prepared(draws, background, rays, maps, target)
@@ -106,12 +104,9 @@ class Renderer:
         if how.own_table(model):
             maps = maps | {"table_smith": smith_table(material).texture}
         maps = maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}
-        if how.per_pixel:
-            raster = program("mesh.vert", "surface.frag")
-            sides = frozenset({"ANTIALIASED"}) if how.msaa else frozenset()
-            shading = program("fullscreen.vert", "surface_shade.frag", defines | sides, how.shade)
-        else:
-            raster, shading = program("mesh.vert", "mesh.frag", defines, how.shade), None
+        raster = program("mesh.vert", "surface.frag")
+        sides = frozenset({"ANTIALIASED"}) if how.msaa else frozenset()
+        shading = program("fullscreen.vert", "surface_shade.frag", defines | sides, how.shade)
         uniforms = {
             **frame,
             **placed(obj, camera),
@@ -125,7 +120,7 @@ class Renderer:
             "lobe_samples": split_samples(material, how.samples_per_set),
             "prefilter_levels": float(LEVELS),
             "coverage_samples": how.msaa,
-            "most_sets": max(how.msaa, 1) if how.per_pixel else 1,
+            "most_sets": max(how.msaa, 1),
         }
         vertices = vertex_array(obj.mesh, raster)
         within = covered((obj,), camera, size)

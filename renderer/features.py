@@ -61,7 +61,6 @@ class Technique:
             the result has no bias and all of the noise.
         diffuse: with the diffuse lobe's light; without, only the specular lobes' is left.
         fine: maps made so finely that their own error is gone, to tell it from others.
-        per_pixel: shade each pixel once, not each triangle in it (see renderer.passes).
         forced: names of features compiled in whether a material needs them or not, to show what
             leaving them out saves and that it changes nothing.
     """
@@ -74,17 +73,12 @@ class Technique:
     filtered: bool = True
     diffuse: bool = True
     fine: tuple[str, ...] = ()
-    per_pixel: bool = True
     forced: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        if not self.per_pixel and not self.msaa:
-            raise ValueError(f"'{self.name}': shading per triangle is for antialiasing")
 
     @property
     def sets(self) -> int:
         """How many sets of directions share a pixel."""
-        return self.supersample**2 * (max(self.msaa, 1) if self.per_pixel else 1)
+        return self.supersample**2 * max(self.msaa, 1)
 
     @property
     def samples_per_set(self) -> int:
@@ -111,7 +105,7 @@ class Technique:
 
 
 TECHNIQUES = {
-    "paper": Technique("paper", "shade_paper.glsl", per_pixel=False),
+    "paper": Technique("paper", "shade_paper.glsl"),
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
 }

@@ -29,9 +29,7 @@ def placed(obj: Object, camera: View) -> dict[str, Any]:
     normals = np.linalg.inv(matrix[:3, :3])  # transposed twice: inverse transpose, column-major
     return {
         "to_clip": (camera.to_clip @ matrix).T.astype(np.float32).tobytes(),
-        "to_world": matrix[:3].T.astype(np.float32).tobytes(),
         "normals_to_world": normals.astype(np.float32).tobytes(),
-        "eye": camera.eye,
     }
 
 

@@ -1,9 +1,8 @@
-"""One frame, pass by pass, in either of two ways.
+"""One frame, pass by pass.
 
-Per triangle: each triangle's fragments are shaded as they are drawn, then coverage samples are
-averaged. Per pixel: triangles leave only their normals, and each pixel is shaded once. A triangle
-of a few pixels is shaded in whole 2x2 quads, so a mesh finer than that costs three times as much
-per triangle; but only there does each triangle in a pixel count by its own light.
+Triangles leave only their normals; then each pixel is shaded once for every object in it. A mesh's
+triangles cover a few pixels each, and a fragment shader would run in whole 2x2 quads for each of
+them, three times a pixel and more.
 """
 
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ import moderngl
 from renderer.context import context
 from renderer.precompute import Maps
 from renderer.program import bind_maps, fill, set_uniforms
-from renderer.targets import Rectangle, Target, clear_depth, outside, resolve
+from renderer.targets import Rectangle, Target, clear_depth, outside
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +22,7 @@ class Draw:
 
     Attributes:
         vertices, raster: its triangles and the program that they run.
-        shading: the program that shades its pixels; None where `raster` does.
+        shading: the program that shades its pixels.
         uniforms: of both programs.
         culled: whether its back faces are hidden for sure.
         covered: the part of the picture that it may touch.
@@ -31,7 +30,7 @@ class Draw:
 
     vertices: moderngl.VertexArray
     raster: moderngl.Program
-    shading: moderngl.Program | None
+    shading: moderngl.Program
     uniforms: dict[str, Any]
     maps: Maps
     culled: bool
@@ -51,52 +50,43 @@ class Prepared:
 
 def draw_frame(prepared: Prepared) -> None:
     """Draw into `prepared.target.finished`, and wait until it is done."""
-    gl, target = context(), prepared.target
-    if target.surfaces:
-        _per_pixel(prepared)
+    gl = context()
+    if prepared.target.antialiased:
+        _antialiased(prepared)
     else:
-        _per_triangle(prepared)
+        _plain(prepared)
     gl.enable_only(moderngl.NOTHING)
     gl.depth_func = "<"
     gl.finish()
 
 
-def _per_triangle(prepared: Prepared) -> None:
+def _plain(prepared: Prepared) -> None:
+    """Every pixel shows one thing, and depth tells which: it spares the shaders of the others."""
     gl, target = context(), prepared.target
     clear_depth(target.drawn)
     _rasterise(prepared.draws)
-    gl.enable_only(moderngl.DEPTH_TEST)
-    gl.depth_func = "<="  # the environment is as far away as can be: depth spares what is hidden
-    _background(prepared, target.drawn, None)
+    gl.enable_only(moderngl.DEPTH_TEST)  # by the depth of `drawn`: see make_target
+    gl.depth_func = "<="  # the fullscreen triangle is as far away as can be
+    _background(prepared, None)
+    gl.depth_func = ">"
+    _shade(prepared)
+
+
+def _antialiased(prepared: Prepared) -> None:
+    """Objects and the environment share a pixel by its coverage samples, so their light adds up."""
+    gl, target = context(), prepared.target
+    target.drawn.use()
+    target.drawn.clear()
+    _rasterise(prepared.draws)
+    target.finished.clear(viewport=target.covered)
+    gl.enable_only(moderngl.BLEND)
+    gl.blend_func = moderngl.ONE, moderngl.ONE
+    _shade(prepared)
+    gl.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
+    _background(prepared, target.covered)
     gl.enable_only(moderngl.NOTHING)
     for rectangle in outside(target.covered, target.finished.size):
-        _background(prepared, target.finished, rectangle)
-    resolve(target)
-
-
-def _per_pixel(prepared: Prepared) -> None:
-    gl, target = context(), prepared.target
-    if target.antialiased:
-        target.drawn.use()
-        target.drawn.clear()
-        _rasterise(prepared.draws)
-        target.finished.clear(viewport=target.covered)
-        gl.enable_only(moderngl.BLEND)
-        gl.blend_func = moderngl.ONE, moderngl.ONE  # objects that share a pixel add up
-        _shade(prepared)
-        gl.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
-        _background(prepared, target.finished, target.covered)
-        gl.enable_only(moderngl.NOTHING)
-        for rectangle in outside(target.covered, target.finished.size):
-            _background(prepared, target.finished, rectangle)
-    else:
-        clear_depth(target.drawn)
-        _rasterise(prepared.draws)
-        gl.enable_only(moderngl.DEPTH_TEST)  # both share it: see make_target
-        gl.depth_func = "<="
-        _background(prepared, target.finished, None)
-        gl.depth_func = ">"
-        _shade(prepared)
+        _background(prepared, rectangle)
 
 
 def _rasterise(draws: list[Draw]) -> None:
@@ -104,8 +94,6 @@ def _rasterise(draws: list[Draw]) -> None:
     for draw in draws:
         gl.enable_only(moderngl.DEPTH_TEST | (moderngl.CULL_FACE if draw.culled else 0))
         set_uniforms(draw.raster, **draw.uniforms)
-        if not draw.shading:
-            bind_maps(draw.raster, draw.maps)
         draw.vertices.render()
 
 
@@ -118,9 +106,7 @@ def _shade(prepared: Prepared) -> None:
         fill(target.finished, draw.shading, draw.covered)
 
 
-def _background(
-    prepared: Prepared, framebuffer: moderngl.Framebuffer, rectangle: Rectangle | None
-) -> None:
+def _background(prepared: Prepared, rectangle: Rectangle | None) -> None:
     set_uniforms(prepared.background, **prepared.background_uniforms)
     bind_maps(prepared.background, prepared.maps)
-    fill(framebuffer, prepared.background, rectangle)
+    fill(prepared.target.finished, prepared.background, rectangle)

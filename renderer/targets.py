@@ -8,7 +8,6 @@ import moderngl
 import numpy as np
 
 from renderer.context import context
-from renderer.program import bind_maps, fill, program, set_uniforms
 
 Rectangle = tuple[int, int, int, int]  # left, bottom, width, height, in pixels
 
@@ -18,16 +17,15 @@ class Target:
     """Where a frame is drawn, and where it ends up.
 
     Attributes:
-        drawn: what triangles are drawn into; with antialiasing it spans only `covered`.
+        drawn: the normal and the number of the object that each pixel shows, or each coverage
+            sample; then it spans only `covered`.
         finished: the whole picture.
         covered: the part of the picture that objects may touch.
-        surfaces: whether `drawn` takes what surfaces are, to be shaded afterwards, not their light.
     """
 
     drawn: moderngl.Framebuffer
     finished: moderngl.Framebuffer
     covered: Rectangle
-    surfaces: bool
 
     @property
     def antialiased(self) -> bool:
@@ -60,9 +58,7 @@ class Target:
         release(self.drawn, self.finished, *attached.values())
 
 
-def make_target(
-    size: tuple[int, int], msaa: int, covered: Rectangle, per_pixel: bool = True
-) -> Target:
+def make_target(size: tuple[int, int], msaa: int, covered: Rectangle) -> Target:
     """A float32 RGBA target of `size` (width, height) with `msaa` samples a pixel, 0 for none.
 
     float32, since suns exceed the 65,504 that float16 can hold.
@@ -74,7 +70,7 @@ def make_target(
         finished = gl.framebuffer([colour], depth)
         finished.depth_mask = False  # its depth is that of `drawn`
         drawn = gl.framebuffer([gl.texture(size, 4, dtype="f4")], depth)
-        return Target(drawn, finished, covered, per_pixel)
+        return Target(drawn, finished, covered)
     left, bottom, *inner = covered
     inner = max(inner[0], 1), max(inner[1], 1)
     drawn = gl.framebuffer(
@@ -83,7 +79,7 @@ def make_target(
     )
     # The whole picture's viewport, moved: every sample lies where it would without the crop.
     drawn.viewport = (-left, -bottom, *size)
-    return Target(drawn, gl.framebuffer([colour]), covered, per_pixel)
+    return Target(drawn, gl.framebuffer([colour]), covered)
 
 
 def _hanging(framebuffer: moderngl.Framebuffer) -> list[Any]:
@@ -101,15 +97,6 @@ def clear_depth(framebuffer: moderngl.Framebuffer) -> None:
     framebuffer.color_mask = (True,) * 4
     framebuffer.viewport = viewport
     framebuffer.use()
-
-
-def resolve(target: Target) -> None:
-    """Average the coverage samples into the finished picture."""
-    shader = program("fullscreen.vert", "resolve.frag")
-    (samples,) = target.drawn.color_attachments
-    set_uniforms(shader, count=samples.samples, corner=target.corner)
-    bind_maps(shader, {"coverage_samples": samples})
-    fill(target.finished, shader, target.covered)
 
 
 def outside(rectangle: Rectangle, size: tuple[int, int]) -> list[Rectangle]:
