@@ -40,17 +40,19 @@ def model_light(
     ray: mi.RayDifferential3f,
     control: mi.Float,
     caustics: Caustics | None,
+    alone: bool = False,
 ) -> Light:
     """Radiance along `ray` for every truth under the case's model.
 
     Args:
         control: the factor c, 0 to 1 - 1 / SPLIT.
         caustics: those that `global` leaves out.
+        alone: nothing can occlude (reference.truths.nothing_occludes): all truths are one.
 
     Returns:
         Radiance by truth, and by "<truth>.diffuse" the part off the first hit's diffuse lobe.
     """
-    truths = _first_hit(scene, sampler, ray, control, caustics)
+    truths = _first_hit(scene, sampler, ray, control, caustics, alone)
     parts = {f"{name}.diffuse": diffuse for name, (_, diffuse) in truths.items()}
     return {name: whole for name, (whole, _) in truths.items()} | parts
 
@@ -61,9 +63,10 @@ def physical_light(
     ray: mi.RayDifferential3f,
     control: mi.Float,
     caustics: Caustics | None,
+    alone: bool = False,
 ) -> Light:
     """The same for Mitsuba's own materials: `physical` is their full transport."""
-    whole, diffuse = _first_hit(scene, sampler, ray, control, caustics)["global"]
+    whole, diffuse = _first_hit(scene, sampler, ray, control, caustics, alone)["global"]
     return {"physical": whole, "physical.diffuse": diffuse}
 
 
@@ -73,6 +76,7 @@ def _first_hit(
     ray: mi.RayDifferential3f,
     control: mi.Float,
     caustics: Caustics | None,
+    alone: bool,
 ) -> dict[str, Parts]:
     """Radiance along `ray` by truth: all of it, and the part of the first hit's diffuse lobe."""
     si = scene.ray_intersect(ray)
@@ -80,6 +84,10 @@ def _first_hit(
     path = _Arrival(scene, sampler, si)
     others = [_Arrival(scene, sampler, si).unblocked() for _ in range(SPLIT - 1)]
     own = path.unblocked()
+    if alone:  # no ray need be traced from the surface on
+        mean = [sum(o[part] for o in (own, *others)) / SPLIT for part in range(2)]
+        whole = background + mean[0], mean[1]
+        return dict.fromkeys(("unoccluded", "direct", "global"), whole)
     inward = scene.ray_intersect_preliminary(path.onward, coherent=False, active=path.sampled)
     blocked = path.sampled & inward.is_valid()
     shadowed = scene.ray_test(path.to_light, path.lit)

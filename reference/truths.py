@@ -7,10 +7,11 @@ A reference holds every truth that shares its paths:
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 import drjit as dr
 import numpy as np
+import trimesh
 from scipy.ndimage import binary_dilation
 
 from reference.caustics import Caustics, caustics, from_the_lamps
@@ -26,6 +27,7 @@ from reference.settings import (
 )
 from reference.transport import Transport, model_light, openness, physical_light
 from reference.variant import mitsuba
+from scenes.mesh import world_mesh
 from scenes.schema import Case, Material
 
 mi = mitsuba()
@@ -144,9 +146,30 @@ def stage(case: Case, kind: Kind) -> Stage:
     """
     scene, notes = build_scene(case, physical=kind == "physical")
     light = physical_light if kind == "physical" else model_light
+    light = partial(light, alone=True) if nothing_occludes(case) else light
     traced, ids = covered(_bare(case))
     lamps, background = caustics(case, scene), _background(scene, case, ~traced)
     return Stage(case, scene, light, lamps, traced, background, ids, notes)
+
+
+def nothing_occludes(case: Case) -> bool:
+    """Whether no ray off the surface of a case can meet a surface again.
+
+    So it is for one object alone that is flat or convex, if its normals are those of its faces:
+    about an interpolated normal some directions lead into the surface, and count as occluded.
+    """
+    if len(case.objects) != 1:
+        return False
+    mesh = world_mesh(case.objects[0])
+    shape = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    normals = shape.face_normals
+    if not np.allclose(mesh.normals[mesh.faces], normals[:, None], atol=1e-4):
+        return False
+    size = np.ptp(mesh.vertices, axis=0).max()
+    if np.allclose(normals, normals[0], atol=1e-4):
+        return bool(np.ptp(mesh.vertices @ normals[0]) < 1e-5 * size)
+    shape.merge_vertices(merge_norm=True)
+    return mesh.closed and bool(shape.is_convex)
 
 
 def _bare(case: Case) -> Case:

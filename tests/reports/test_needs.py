@@ -105,3 +105,12 @@ def test_a_forced_feature_is_compiled_in_and_its_maps_are_read(case):
 def test_relmse_is_relative_to_the_second_frame():
     frame = np.full((2, 2, 3), 2.0)
     assert relmse(frame * 1.1, frame) == pytest.approx(0.01)
+
+
+def test_a_reference_traces_no_ray_on_where_nothing_can_occlude(case, found, monkeypatch):
+    assert not any("reference" in what for what in found)
+    monkeypatch.setattr(needs, "FRAMES", 6)
+    floor = case.objects[0].model_copy(update={"mesh": "plane", "rotate": (70, 0, 0)})
+    alone = case.model_copy(update={"objects": (floor,)})
+    (told,) = (x for x in left_out(alone, TECHNIQUES) if "reference" in x.what)
+    assert not told.exact and told.difference < 2 * told.interval < 0.1

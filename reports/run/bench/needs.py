@@ -20,12 +20,14 @@ from renderer.features import LOBES, Feature, Technique, technique
 from renderer.glsl import source
 from renderer.passes import Prepared, draw_frame
 from renderer.precompute import Precomputed, precomputed
+from reports.noise import quantile
 from reports.speed.points import LeftOut
 from scenes.schema import Case
 
 FRAMES = 9  # of each of a pair, in turns
 MAKINGS = 3  # of maps
 SAME = 1e-6  # relMSE up to which two frames are one: what is left is rounding
+REFERENCE_SAMPLES = 16  # of each of the batches that prove a reference's rays needless
 SAMPLES = 4  # coverage samples that a technique without antialiasing leaves out
 
 MAPS = {
@@ -51,7 +53,41 @@ def left_out(case: Case, techniques: tuple[str, ...]) -> list[LeftOut]:
     found = [made for how in ways.values() for made in _features(case, how)]
     found += [made for how in ways.values() for made in _maps(case, how)]
     plain = [technique(n) for n in techniques if not technique(n).msaa]
-    return found + [_antialiasing(case, how) for how in plain[:1]]
+    return found + [_antialiasing(case, how) for how in plain[:1]] + _reference_rays(case)
+
+
+def _reference_rays(case: Case) -> list[LeftOut]:
+    """The reference's shadow rays and further paths, where nothing can occlude."""
+    from reference.transport import model_light
+    from reference.truths import nothing_occludes, stage
+
+    if not nothing_occludes(case):
+        return []
+    short = stage(case, "model")
+    ways = {"short": short, "full": replace(short, light=model_light)}
+    energies = {name: [] for name in ways}
+    seconds = {name: [] for name in ways}
+    for seed in range(1 + FRAMES):
+        for name, way in ways.items():
+            start = perf_counter()
+            picture = way.trace(REFERENCE_SAMPLES, seed)["global"]
+            if seed:  # the first compiles
+                seconds[name].append(perf_counter() - start)
+                energies[name].append(float(picture[way.traced].mean()))
+    mean = np.mean(energies["full"])
+    moved = abs(np.mean(energies["short"]) - mean) / mean
+    se = np.hypot(*(np.std(e, ddof=1) for e in energies.values())) / mean / FRAMES**0.5
+    return [
+        LeftOut(
+            case=case.id,
+            what="reference: shadow rays and further paths",
+            why="one flat or convex object: nothing can occlude",
+            exact=False,
+            difference=moved,
+            interval=quantile(0.95, 2 * FRAMES - 2) * se,
+            saved_seconds=median(seconds["full"]) - median(seconds["short"]),
+        )
+    ]
 
 
 def relmse(frame: np.ndarray, other: np.ndarray) -> float:
