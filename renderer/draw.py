@@ -117,10 +117,10 @@ class Renderer:
             "weight_d": (material.weight, 1 - material.weight),
             "weight_g": (material.masking_weight, 1 - material.masking_weight),
             "light_sharers": how.supersample**2 if how.filtered else 1e9,
-            "lobe_samples": split_samples(material, how.samples_per_set),
+            "set_samples": split_samples(material, how.samples_per_set),
+            "pixel_samples": split_samples(material, how.samples_per_set * how.sets),
             "prefilter_levels": float(LEVELS),
             "coverage_samples": how.msaa,
-            "most_sets": max(how.msaa, 1),
         }
         vertices = vertex_array(obj.mesh, raster)
         within = covered((obj,), camera, size)

@@ -77,13 +77,13 @@ class Technique:
 
     @property
     def sets(self) -> int:
-        """How many sets of directions share a pixel."""
-        return self.supersample**2 * max(self.msaa, 1)
+        """How many sets of directions a drawn pixel may have, one for each coverage sample."""
+        return max(self.msaa, 1)
 
     @property
     def samples_per_set(self) -> int:
         """Directions in each of them."""
-        return -(-self.samples // self.sets)
+        return -(-self.samples // (self.supersample**2 * self.sets))
 
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
@@ -155,7 +155,8 @@ def split_samples(material: Material, samples: int) -> tuple[int, int, int]:
     """Share samples out to the lobes (GGX, Beckmann, cosine).
 
     The diffuse lobe gets a share by its albedo against F0, between a fifth and a half: the
-    balance heuristic keeps any split unbiased. Of 4 samples or more each needed lobe gets some.
+    balance heuristic keeps any split unbiased. Of 4 samples or more each needed lobe gets some; of
+    fewer GGX goes before Beckmann, whose short tail would hardly ever find what GGX reflects.
     """
     diffuse = max(material.diffuse_albedo)
     share = 0.0
@@ -163,6 +164,6 @@ def split_samples(material: Material, samples: int) -> tuple[int, int, int]:
         share = min(max(diffuse / (diffuse + max(material.specular_f0)), 0.2), 0.5)
     specular = samples - round(share * samples)
     ggx = round(material.weight * specular)
-    if 0 < material.weight < 1 and specular > 1:
-        ggx = min(max(ggx, 1), specular - 1)
+    if 0 < material.weight < 1:
+        ggx = max(min(ggx, specular - 1), 1)
     return ggx, specular - ggx, samples - specular

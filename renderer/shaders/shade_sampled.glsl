@@ -8,8 +8,8 @@
 
 // The model's exact BRDF over sampled directions with filtered look-ups. Each lobe has its own
 // share of the samples; the balance heuristic (Veach and Guibas 1995) joins them without bias.
-uniform ivec3 lobe_samples;  // GGX, Beckmann, cosine, where a pixel has `most_sets` shading points
-uniform int most_sets;
+uniform ivec3 pixel_samples; // GGX, Beckmann, cosine, where a pixel has one shading point
+uniform ivec3 set_samples;   // and for each shading point where it has more
 uniform float light_sharers; // how many such pixels make one of the picture; huge for no filter
 
 float pdf_half_vector(float D, vec3 h, float wo_h) {
@@ -60,7 +60,8 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
     mat3 to_world = tangent_frame(n);
     vec3 wo = v * to_world;
     vec2 shift = pixel_shift();
-    ivec3 count = lobe_samples * (most_sets / sets);
+    // Split anew, not multiplied: of a set of one direction all but one lobe would get none.
+    ivec3 count = sets == 1 ? pixel_samples : set_samples;
     float sharers = light_sharers * float(sets);
     vec3 L = vec3(0.0);
 #ifdef D_GGX
