@@ -73,6 +73,23 @@ def test_unknown_noise_leaves_the_figure_without_an_interval():
     assert math.isnan(found.samples.low) and math.isnan(found.ratio.high)
 
 
+def test_seconds_of_samples_that_were_measured_are_those_that_were_measured():
+    times = np.repeat((0.01 + 0.015 * K)[:, None], ROUNDS, axis=1)
+    times[5] *= 1.2  # 36 is dearer than a line through the others says
+    frames = np.full(ROUNDS, 0.05)
+    found = need(Estimate(falling(36.0)), frames, curve(falling, seconds=times), "power")
+    assert found.seconds.value == pytest.approx(1.2 * 0.55)
+    between = need(Estimate(falling(50.0)), frames, curve(falling, seconds=times), "power")
+    assert between.seconds.value == pytest.approx(np.interp(50, K, times[:, 0]))
+
+
+def test_beyond_the_most_samples_time_goes_on_along_the_line():
+    found = need(Estimate(falling(500.0)), np.full(ROUNDS, 0.05), curve(falling), "power")
+    assert found.seconds.value == pytest.approx(0.01 + 0.015 * 500)
+    never = need(Estimate(-1.0), np.full(ROUNDS, 0.05), curve(falling), "power")
+    assert math.isnan(never.seconds.value)
+
+
 def test_noise_that_swallows_the_curve_gives_nothing():
     found = need(Estimate(0.01), np.full(ROUNDS, 0.05), curve(falling, noise=1.0), "monotone")
     assert math.isnan(found.samples.value)
