@@ -8,9 +8,9 @@ Two laws lead from an error to samples per pixel:
 - `monotone`: for 1 - SSIM, and for a denoiser, which has an error of its own, nothing is known but
   that more samples do not make it worse: logs are interpolated between what was measured.
 
-Seconds are interpolated between what was measured in each round by itself, so that a ratio compares
-what the machine did within seconds; beyond the most samples they go on along a line a + b k fitted to
-the round.
+Seconds are interpolated between what was measured, in each round by itself, so that a ratio
+compares what the machine did within seconds; beyond the most samples they go on along a line
+a + b k, fitted to the round.
 """
 
 from dataclasses import dataclass
