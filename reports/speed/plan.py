@@ -9,9 +9,10 @@ from typing import Literal
 
 import tomli_w
 
-from reports.speed.points import Bench, Point
+from reports.speed.points import Bench, Point, case_digest
 from scenes.environment import FORMATS
 from scenes.errors import InputError
+from scenes.schema import Case
 from scenes.suite import AXES, Budget, Run, Suite, Sweep, expand
 
 Measure = Literal["energy_local", "ssim"]
@@ -101,20 +102,24 @@ def planned(
             their environment alone fall together there, the slowest technique of them is taken.
 
     Raises:
-        InputError: the suite has no such case any more.
+        InputError: the suite has no such case any more, or draws another one by its name.
     """
-    known = [(_id(suite, run, path), _absolute(run, path.parent)) for run in _single(suite)]
-    if gone := sorted(set(picked) - {case for case, _ in known}):
+    known = [(_case(suite, run, path), _absolute(run, path.parent)) for run in _single(suite)]
+    if gone := sorted(set(picked) - {case.id for case, _ in known}):
         raise InputError(path, "run", f"has no case '{gone[0]}' any more", MADE_ANEW)
+    for case, _ in known:
+        if case.id in picked and picked[case.id].digest not in ("", case_digest(case)):
+            problem = f"does not draw '{case.id}' as it was measured"
+            raise InputError(path, "run", problem, MADE_ANEW)
     runs: dict[str, tuple[float, Run]] = {}
     for case, run in known:
-        if case not in picked:
+        if case.id not in picked:
             continue
-        point = picked[case]
+        point = picked[case.id]
         for light in (*run.environments, *environments):
             update = {"environments": (light,), "techniques": (point.name,)}
             other = run.model_copy(update=update | {"truths": None, "split_model": False})
-            under = _id(suite, other, path)
+            under = _case(suite, other, path).id
             # What was measured under an environment goes before what is carried over to it.
             cost = math.inf if light in run.environments else point.frame.median
             if under not in runs or cost > runs[under][0]:
@@ -170,11 +175,11 @@ def _single(suite: Suite) -> Iterator[Run]:
             )
 
 
-def _id(suite: Suite, run: Run, path: Path) -> str:
-    """The id of the one case of a run."""
+def _case(suite: Suite, run: Run, path: Path) -> Case:
+    """The one case of a run."""
     alone = run.model_copy(update={"truths": None, "split_model": False})
     (entry,) = expand(suite.model_copy(update={"run": (alone,)}), path)
-    return entry.case.id
+    return entry.case
 
 
 def _absolute(run: Run, home: Path) -> Run:

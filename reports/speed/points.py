@@ -1,5 +1,6 @@
 """bench.json: what each way to draw a case costs and how wrong it is, documented and versioned."""
 
+import hashlib
 from pathlib import Path
 from typing import Any, Literal
 
@@ -8,6 +9,7 @@ from pydantic import Field
 from reports.results import UNKNOWN, Figure, Figured, Record
 from scenes.errors import InputError
 from scenes.frame import write_text
+from scenes.schema import Case
 
 SCHEMA_VERSION = 1
 FIGURES = ("energy_local", "one_minus_ssim")  # the errors that are drawn over time
@@ -44,6 +46,7 @@ class Point(Record):
     """One way to draw a case: a technique, or a path tracer at some samples per pixel.
 
     Attributes:
+        digest: of the case as it was drawn (`case_digest`), to tell whether a suite has changed.
         family, name: such as "real-time" and "sampled@16", or "denoised" and "Mitsuba 4 + OIDN".
         samples: per pixel: directions of a technique that samples, paths of a path tracer.
         frame: warm wall clock until the frame is finished, serially, without read-back for a
@@ -61,6 +64,7 @@ class Point(Record):
     """
 
     case: str
+    digest: str = ""
     environment: str
     width: int
     height: int
@@ -170,6 +174,11 @@ class Bench(Record):
     left_out: list[LeftOut] = Field(default_factory=list)
     lobes: list[LobeSampling] = Field(default_factory=list)
     skipped: list[str] = Field(default_factory=list)
+
+
+def case_digest(case: Case) -> str:
+    """SHA-256 (hex) of a case's JSON: everything that is drawn, with files by their paths."""
+    return hashlib.sha256(case.model_dump_json().encode()).hexdigest()
 
 
 def save_bench(bench: Bench, path: Path) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from reports.results import Figured
 from reports.speed.plan import Goal, OutOfReachError, chosen
-from reports.speed.points import Bench, Error, Point, Timed, save_bench
+from reports.speed.points import Bench, Error, Point, Timed, case_digest, save_bench
 from scenes.suite import expand, load_suite
 
 SCENE = """\
@@ -49,7 +49,7 @@ weight = [1.0, [0.25, 0.75]]
 OWN = 'roughness = 0.5\nmetallic = 1.0\nmetal = "Au"\n'
 
 
-def point(name, ms, errors, case="ball", family="real-time"):
+def point(name, ms, errors, case="ball", family="real-time", digest=""):
     """A point with the errors (value, upper end) of its objects; 1 - SSIM is a tenth of it."""
 
     def figured(value, high, scale=1.0):
@@ -57,6 +57,7 @@ def point(name, ms, errors, case="ball", family="real-time"):
 
     return Point(
         case=case,
+        digest=digest,
         environment="studio",
         width=48,
         height=32,
@@ -149,10 +150,14 @@ def measured(tmp_path):
     home.mkdir()
     for name, text in (("ball.toml", SCENE), ("suite.toml", SUITE), ("own.toml", OWN)):
         (home / name).write_text(text, encoding="utf-8")
-    cases = [e.case.id for e in expand(*load_suite(str(home / "suite.toml")))]
+    drawn = [e.case for e in expand(*load_suite(str(home / "suite.toml")))]
+    cases = {case.id: case_digest(case) for case in drawn}
     # Under `sunset` only the dearer one is good enough.
-    points = [point("paper-noaa", 2, [(0.1, 0.9 if "sunset" in c else 0.2)], c) for c in cases]
-    points += [point("sampled@16", 9, [(0.1, 0.15)], c) for c in cases]
+    points = [
+        point("paper-noaa", 2, [(0.1, 0.9 if "sunset" in c else 0.2)], c, digest=d)
+        for c, d in cases.items()
+    ]
+    points += [point("sampled@16", 9, [(0.1, 0.15)], c, digest=d) for c, d in cases.items()]
     save_bench(bench_of(points, home / "suite.toml"), home / "bench.json")
     return home / "bench.json"
 
@@ -223,6 +228,24 @@ def test_a_mistake_ends_in_one_line(measured, shadeproof, words, told):
     assert told in err
 
 
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda text: text.replace('"schema_version": 1', '"schema_version": 0'), "schema_version 0"),
+        (lambda text: text[:-40], "is not JSON"),
+        (lambda _: "", "is not JSON"),
+        (lambda _: '{"suite": "x"}', "suite_path is missing"),
+    ],
+)
+def test_a_bench_json_that_cannot_be_read_is_told_in_plain_words(
+    measured, shadeproof, change, told
+):
+    measured.write_text(change(measured.read_text()))
+    code, out, err = shadeproof("plan", "--max-error", 0.5, "--bench", measured)
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
+    assert told in err and "validation" not in err and "run `shadeproof bench` again" in err
+
+
 def test_a_suite_that_changed_since_is_told(measured, shadeproof):
     suite = measured.parent / "suite.toml"
     suite.write_text(SUITE.replace('"gold"', '"silver"'))
@@ -231,6 +254,24 @@ def test_a_suite_that_changed_since_is_told(measured, shadeproof):
     suite.unlink()
     code, _, err = shadeproof("plan", "--max-error", 0.5, "--bench", measured)
     assert code == 2 and "a suite that is gone" in err
+
+
+@pytest.mark.parametrize(
+    ("name", "before", "after"),
+    [
+        ("suite.toml", "[48, 32]", "[96, 64]"),
+        ("suite.toml", "rotation = 30.0", "rotation = 31.0"),
+        ("ball.toml", "fov = 30.0", "fov = 31.0"),
+        ("own.toml", "0.5", "0.1"),
+    ],
+)
+def test_a_case_that_is_drawn_otherwise_under_the_same_name_is_told(
+    measured, shadeproof, name, before, after
+):
+    changed = measured.parent / name
+    changed.write_text(changed.read_text().replace(before, after))
+    code, out, err = shadeproof("plan", "--max-error", 0.5, "--bench", measured)
+    assert (code, out) == (2, "") and "as it was measured; run `shadeproof bench` anew" in err
 
 
 def test_gate_takes_a_plan(measured, shadeproof, tmp_path):

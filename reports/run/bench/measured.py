@@ -8,7 +8,7 @@ import numpy as np
 from reports.compare import Truth
 from reports.run.bench.errors import Judged, error_of, judged
 from reports.run.bench.way import Way
-from reports.speed.points import Point, Timed
+from reports.speed.points import Point, Timed, case_digest
 from scenes.schema import Case
 
 PICTURES = 3  # of different seeds, whose errors are measured
@@ -39,6 +39,7 @@ class Measured:
         cost = way.cost(frame.median)
         return Point(
             case=case.id,
+            digest=case_digest(case),
             environment=case.environment.name,
             width=case.width,
             height=case.height,
