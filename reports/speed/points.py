@@ -4,11 +4,12 @@ import hashlib
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 
 from reports.results import UNKNOWN, Figure, Figured, Record
 from scenes.errors import InputError
 from scenes.frame import write_text
+from scenes.words import first_mistake
 from scenes.schema import Case
 
 SCHEMA_VERSION = 1
@@ -197,6 +198,8 @@ def load_bench(path: Path) -> Bench:
     except OSError as error:
         raise InputError(path, "", "cannot be read", "run `shadeproof bench` first") from error
     except ValueError as error:
-        first = str(error).splitlines()[0]
-        problem = f"is no bench.json of schema {SCHEMA_VERSION} ({first})"
+        told = [str(error)]  # it is no text
+        if isinstance(error, ValidationError):
+            told = first_mistake(error)[:2]
+        problem = f"is no bench.json of schema {SCHEMA_VERSION} ({' '.join(told).strip()})"
         raise InputError(path, "", problem, "run `shadeproof bench` again") from error
