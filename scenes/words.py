@@ -6,6 +6,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 FIELDS = "scenes/FORMAT.md lists the fields"
+SEE = "see scenes/FORMAT.md"  # where no remedy is known
 # By pydantic's type of a mistake, what would be right; braces hold its context.
 REMEDIES = {
     "string_type": "write text in quotes",
@@ -84,7 +85,7 @@ def _in_words(mistake: Any, kind: type[BaseModel] | None) -> tuple[str, str]:
         return "is not JSON", "write it anew"
     if cause == "value_error":
         problem, _, remedy = mistake["msg"].removeprefix("Value error, ").partition("; ")
-        return problem, remedy or "see scenes/FORMAT.md"
+        return problem, remedy or SEE
     problem = f"{show(value)} does not fit"
     if cause == "tuple_type" and isinstance(value, dict) and len(place) == 1:
         return problem, f"give a list: [...], or [[{place[0]}]] where it holds tables"

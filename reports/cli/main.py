@@ -12,7 +12,7 @@ from rich.console import Console
 
 from reports.cli.app import app
 from scenes.errors import InputError
-from scenes.words import first_mistake
+from scenes.words import SEE, first_mistake
 
 
 def main() -> None:
@@ -62,9 +62,9 @@ def _refused(error: typer.TyperException) -> InputError:
         return InputError(command, "", problem[:1].lower() + problem[1:], remedy)
     where = max(parameter.opts, key=len)
     if isinstance(error.__cause__, ValidationError):
-        _, problem, remedy = first_mistake(error.__cause__)
-        return InputError(where, "", problem, remedy)
-    return InputError(where, "", error.message or "is missing", remedy)
+        _, problem, right = first_mistake(error.__cause__)
+        return InputError(where, "", problem.rstrip("."), remedy if right == SEE else right)
+    return InputError(where, "", (error.message or "is missing").rstrip("."), remedy)
 
 
 def _fail(text: str) -> NoReturn:

@@ -9,6 +9,8 @@ import typer
 from reports.cli.app import app, console
 from reports.cli.options import takes_job
 
+MOST_FRAMES = 1000  # more would be a slip: quartiles are settled long before
+
 
 class Extra(StrEnum):
     """What a bench measures besides the points of its cases."""
@@ -22,10 +24,12 @@ class Extra(StrEnum):
 @takes_job("suite", "out", "store", "filter", suite="bench")
 def bench(
     job,
-    frames: Annotated[int, typer.Option(min=3, help="Warm frames of each way to draw.")] = 9,
+    frames: Annotated[
+        int, typer.Option(min=3, max=MOST_FRAMES, help="Warm frames of each way to draw.")
+    ] = 9,
     skip: Annotated[
         list[Extra] | None,
-        typer.Option(help="Leave this unmeasured; may be repeated."),
+        typer.Option(help="Leave this unmeasured; for two, --skip growth --skip lobes."),
     ] = None,
 ) -> None:
     """Measure time and error of every technique beside path tracing, raw and denoised."""

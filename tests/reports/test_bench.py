@@ -310,3 +310,20 @@ def test_the_ratio_at_full_size_is_told(capsys):
     )  # fmt: skip
     print_bench(bench, Console(width=160))
     assert "1920x1080 ratio to Mitsuba 1 sample, c: paper 0.250" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--frames", 0), "give a number from 3 up"),
+        (("--frames", 10**9), "give a number up to 1000"),
+        (("--frames", "1e9"), "give a whole number"),
+        (("--skip", "growth,lobes"), "'growth'; see `shadeproof bench --help`"),
+    ],
+)
+def test_an_option_that_cannot_be_is_refused_in_one_line(shadeproof, suite, tmp_path, words, told):
+    out = tmp_path / "out"
+    code, said, err = shadeproof("bench", "--suite", suite, "--out", out, *words)
+    assert (code, said, len(err.splitlines())) == (2, "", 1)
+    assert err.startswith(f"error: {words[0]}: ") and told in err
+    assert not out.exists()
