@@ -9,8 +9,8 @@ from pydantic import Field, ValidationError
 from reports.results import UNKNOWN, Figure, Figured, Record
 from scenes.errors import InputError
 from scenes.frame import write_text
-from scenes.words import first_mistake
 from scenes.schema import Case
+from scenes.words import first_mistake
 
 SCHEMA_VERSION = 1
 FIGURES = ("energy_local", "one_minus_ssim")  # the errors that are drawn over time
