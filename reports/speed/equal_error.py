@@ -81,6 +81,8 @@ def need(target: Estimate, frames: np.ndarray, curve: Curve, law: Law, seed: int
     if np.isfinite(logs).sum() < 2:
         return Need(UNTOLD, UNTOLD, UNTOLD)
     found = _on_line(x, drawn, spread, goals) if law == "power" else _between(x, drawn, goals)
+    if np.isnan(spread[np.isfinite(logs)]).any():
+        found[1:] = np.nan
     beyond = "below" if found[0] < x[0] else "above" if found[0] > x[-1] else ""
     if np.isnan(found[0]) or beyond == "below" or np.isinf(found[0]):
         return Need(UNTOLD, UNTOLD, UNTOLD, beyond)
@@ -103,11 +105,13 @@ def _figured(values: np.ndarray) -> Figured:
 def _logs(curve: Curve) -> tuple[np.ndarray, np.ndarray, int]:
     """Log of the mean error at each k (m,), its standard error, and the degrees of freedom.
 
-    A k whose error the truth's noise swallows has a NaN log and tells nothing.
+    A k whose error the truth's noise swallows has a NaN log and tells nothing; where that noise is
+    unknown, so is the standard error alone.
     """
     means = curve.errors.mean(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        logs = np.where(means > 2 * curve.noise, np.log(means), np.nan)
+        swallowed = means <= 2 * np.nan_to_num(curve.noise)
+        logs = np.where(swallowed, np.nan, np.log(means))
         noise = curve.noise / means
         relative = curve.errors.var(axis=1, ddof=1) / means**2
     known = np.isfinite(logs)
@@ -120,6 +124,8 @@ def _on_line(x: np.ndarray, y: np.ndarray, spread: np.ndarray, goals: np.ndarray
     """Log samples (n,) at which weighted straight lines through y (n, m) meet the goals (n,)."""
     known = np.isfinite(y[0])
     x, y, weights = x[known], y[:, known], 1 / np.maximum(spread[known], 1e-9) ** 2
+    if np.isnan(weights).any():
+        weights = np.ones_like(x)
     weights /= weights.sum()
     middle = weights @ x
     slope = (y * weights) @ (x - middle) / (weights @ (x - middle) ** 2)

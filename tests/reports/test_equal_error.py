@@ -90,6 +90,16 @@ def test_beyond_the_most_samples_time_goes_on_along_the_line():
     assert math.isnan(never.seconds.value)
 
 
+@pytest.mark.parametrize("law", ["power", "monotone"])
+def test_a_truth_of_unknown_noise_leaves_the_figure_without_an_interval(law):
+    told = curve(falling)
+    told.noise[:] = math.nan
+    found = need(Estimate(falling(10.0), 0.001), np.full(ROUNDS, 0.05), told, law)
+    assert found.samples.value == pytest.approx(10) and found.beyond == ""
+    assert math.isnan(found.samples.low) and math.isnan(found.ratio.high)
+    assert need(Estimate(9.0, 0.1), np.full(ROUNDS, 0.05), told, law).beyond == "below"
+
+
 def test_noise_that_swallows_the_curve_gives_nothing():
     found = need(Estimate(0.01), np.full(ROUNDS, 0.05), curve(falling, noise=1.0), "monotone")
     assert math.isnan(found.samples.value)
