@@ -37,7 +37,7 @@ def grows(sizes: list[float], values: list[float]) -> tuple[Figured, float]:
     log_x, log_y = np.log(x) - np.log(x).mean(), np.log(y)
     line = linregress(log_x, log_y)
     reach = t_distribution.ppf((1 + CONFIDENCE) / 2, len(x) - 2) * line.stderr
-    if abs(line.slope) <= reach:
+    if line.slope <= reach:
         return Figured(value=line.slope, low=line.slope - reach, high=line.slope + reach), 0.0
     straight = np.sum((log_y - line.intercept - line.slope * log_x) ** 2)
 

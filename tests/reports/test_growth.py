@@ -30,6 +30,13 @@ def test_a_cost_that_does_not_grow_has_exponent_0():
     assert base == 0
 
 
+def test_a_cost_that_falls_is_told_by_its_slope():
+    # 16 materials were once measured to take 12 % less than one.
+    found, base = grows(SIZES[:5], [29.4, 27.8, 27.4, 27.7, 25.8])
+    assert found.value < 0 and -0.1 < found.low < found.high < 0.02
+    assert base == 0
+
+
 def test_sizes_without_a_cost_are_left_out():
     values = [np.nan, 0.0, *(1e-6 * x for x in SIZES[2:])]
     assert grows(SIZES, values)[0].value == pytest.approx(1, abs=1e-6)

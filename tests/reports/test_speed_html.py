@@ -327,6 +327,14 @@ def test_growth_is_told_with_its_exponent_and_base():
         "<b>a&lt;b</b>: frame time grows as pixels<sup>0.86</sup> (0.83 to 0.90), "
         "beside 3 ms that do not grow"
     )
+    flat = {"exponent": Figured(value=0.02, low=-0.07, high=0.11)}
+    assert plain(growth(grown().model_copy(update=flat))).endswith(
+        "frame time is not seen to grow with pixels: exponent 0.02 (−0.07 to 0.11)"
+    )
+    open_ended = {"exponent": Figured(value=0.34, low=0.32, high=1.24), "base": 0.0}
+    assert plain(growth(grown().model_copy(update=open_ended))).endswith(
+        "<sup>0.34</sup> (0.32 to 1.24, with any base that noise hides)"
+    )
     lost = grown().model_copy(update={"exponent": Figured(value=NAN, low=NAN, high=NAN)})
     assert "noise hides how frame time grows with pixels" in growth(lost)
 

@@ -127,7 +127,14 @@ def growth(found: Growth) -> Markup:
         return Markup("<b>{}</b>: noise hides how {} grows with {}").format(*named)
     ends = ""
     if math.isfinite(power.low) and math.isfinite(power.high):
-        ends = f" ({number(power.low, 2)} to {number(power.high, 2)})"
+        ends = f" ({number(power.low, 2)} to {number(power.high, 2)}"
+        lopsided = power.high - power.value > 2 * (power.value - power.low)
+        ends += ", with any base that noise hides)" if lopsided and not found.base else ")"
+        if power.low <= 0 and not found.base:
+            said = Markup("<b>{}</b>: {} is not seen to grow with {}: exponent {}").format(
+                *named, number(power.value, 2)
+            )
+            return said + ends
     show = size if found.cost == "memory" else seconds
     base = f", beside {show(found.base)} that do not grow" if found.base > 0 else ""
     raised = Markup("<b>{}</b>: {} grows as {}<sup>{}</sup>").format(*named, number(power.value, 2))
