@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from reports.results import Figured
-from reports.speed.points import Bench, EqualError, Family, Point
+from reports.speed.points import FIGURES, Bench, EqualError, Family, Point
 
 AMORTISED = (1, 60, 10_000)  # frames
 FULL = (1920, 1080)
@@ -23,7 +23,7 @@ def print_bench(bench: Bench, console: Console) -> None:
     console.print(
         "Time: warm, serial; median with quartiles. Ratio: to a frame of 1 Mitsuba sample. Over n "
         "frames: seconds a frame with compilation, precomputation and preparation shared out. "
-        "Errors: mean over the case's objects, against `global`.",
+        "Errors: mean over the case's objects whose error is known, against `global`.",
         style="dim",
     )
     if bench.equal:
@@ -42,7 +42,7 @@ def print_bench(bench: Bench, console: Console) -> None:
 
 def _points(bench: Bench) -> Table:
     table = Table(box=box.SIMPLE_HEAD, title=f"{bench.suite}: speed against error")
-    table.add_column("way")
+    table.add_column("way", overflow="fold")  # cases may differ at the end of their names
     headings = ["ms", "fps", "GPU ms", "ratio", *(f"over {n:,}" for n in AMORTISED)]
     for heading in (*headings, "local energy", "1-SSIM"):
         table.add_column(heading, justify="right")
@@ -60,27 +60,29 @@ def _points(bench: Bench) -> Table:
 def _cells(point: Point, one: float) -> list[str]:
     """Everything about a point, given the seconds of one sample per pixel."""
     frame = point.frame
-    errors = [
-        statistics.fmean(getattr(e, figure).value for e in point.errors)
-        if point.errors
-        else math.nan
-        for figure in ("energy_local", "one_minus_ssim")
-    ]
+    errors = [_mean(point, figure) for figure in FIGURES]
     return [
         f"{_ms(frame.median)} ({_ms(frame.low)} to {_ms(frame.high)})",
         _digits(1 / frame.median),
         _ms(point.gpu.median) if point.gpu else "",
         _digits(frame.median / one),
         *(f"{_digits(point.seconds_over(n))} s" for n in AMORTISED),
-        f"{errors[0]:.2%}",
-        f"{errors[1]:.4f}",
+        "unknown" if math.isnan(errors[0]) else f"{errors[0]:.2%}",
+        "unknown" if math.isnan(errors[1]) else f"{errors[1]:.4f}",
     ]
+
+
+def _mean(point: Point, figure: str) -> float:
+    """Of one error, over the objects of which it is known."""
+    values = [getattr(e, figure).value for e in point.errors]
+    known = [v for v in values if not math.isnan(v)]
+    return statistics.fmean(known) if known else math.nan
 
 
 def _equal(equal: Sequence[EqualError]) -> Table:
     """A line per case, object and technique, and a column per family and figure."""
     table = Table(box=box.SIMPLE_HEAD, title="What path tracing needs to be as good")
-    table.add_column("object, technique")
+    table.add_column("object, technique", overflow="fold")
     columns = list(dict.fromkeys((e.against, e.figure) for e in equal))
     for against, figure in columns:
         table.add_column(f"{against}, {NAMES[figure]}", justify="right")

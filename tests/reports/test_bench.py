@@ -14,12 +14,13 @@ from renderer.context import context
 from reports.noise import Estimate
 from reports.run.bench import memory
 from reports.run.bench.errors import Judged, pooled
-from reports.run.bench.measured import PICTURES, measure, timed
+from reports.run.bench.measured import PICTURES, Measured, lacking, measure, timed
 from reports.run.bench.way import Cost, Way, changed
 from reports.speed.points import Bench, Point, load_bench
 from reports.speed.table import print_bench
 from scenes.schema import Material
 from scenes.suite import expand, load_suite
+from tests.reports import benches
 
 SUITE = """
 description = "One small bunny."
@@ -310,6 +311,36 @@ def test_the_ratio_at_full_size_is_told(capsys):
     )  # fmt: skip
     print_bench(bench, Console(width=160))
     assert "1920x1080 ratio to Mitsuba 1 sample, c: paper 0.250" in capsys.readouterr().out
+
+
+def test_the_tables_tell_apart_cases_with_long_names_and_leave_out_unknown_errors(capsys):
+    names = [f"single.courtyard.copper.weight=0.{n}.roughness=0.5" for n in (25, 75)]
+    errors = [benches.error("seen", 0.1, 0.2), benches.error("away", math.nan, math.nan)]
+    points = [benches.point(case=n, errors=errors) for n in names]
+    points += [benches.point(case=n, name="paper-noaa", errors=errors[1:]) for n in names]
+    needs = [benches.equal(case=n, object="seen") for n in names]
+    print_bench(benches.small_bench(points=points, equal=needs), Console(width=160))
+    told = "".join(capsys.readouterr().out.split())
+    assert all(told.count(n) == 2 for n in names), "each in both tables"
+    assert "10.00%0.2000" in told and told.count("unknownunknown") == 2 and "nan%" not in told
+
+
+def test_an_object_without_errors_is_named_once(case):
+    def seen(name, problem):
+        there, away = (Judged(*[Estimate(0, 0, 1)] * 3, p) for p in ("", problem))
+        return Measured(SimpleNamespace(name=name), [], {"ball": [there], "moon": [away, away]})
+
+    both = [seen("paper", "is out of the picture"), seen("Mitsuba 1", "is out of the picture")]
+    assert lacking(case, both) == ["single.studio, errors of moon: is out of the picture"]
+    alone = [both[0], seen("Mitsuba 1", "")]
+    assert lacking(case, alone) == [f"{lacking(case, both)[0]} (paper)"]
+
+
+def test_errors_that_are_unknown_are_told_with_the_reason(case):
+    known, unknown = Estimate(0.1, 0.01, 9), Estimate(math.nan, math.nan, 0)
+    black = Measured(SimpleNamespace(name="paper"), [], {"ball": [Judged(known, *[unknown] * 2)]})
+    (line,) = lacking(case, [black])
+    assert "errors of ball: local energy and SSIM unknown: the truth is black" in line
 
 
 @pytest.mark.parametrize(

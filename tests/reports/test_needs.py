@@ -114,3 +114,8 @@ def test_a_reference_traces_no_ray_on_where_nothing_can_occlude(case, found, mon
     alone = case.model_copy(update={"objects": (floor,)})
     (told,) = (x for x in left_out(alone, TECHNIQUES) if "reference" in x.what)
     assert not told.exact and told.difference < 2 * told.interval < 0.1
+
+
+def test_two_black_frames_are_the_same_frame():
+    black = np.zeros((4, 4, 3), np.float32)
+    assert relmse(black, black) == 0

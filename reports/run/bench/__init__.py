@@ -17,7 +17,7 @@ from reports.run.bench import kernels
 from reports.run.bench.equal import equal_errors
 from reports.run.bench.growth import STEPS as GROWTH_STEPS
 from reports.run.bench.growth import grown
-from reports.run.bench.measured import Measured, measure
+from reports.run.bench.measured import Measured, lacking, measure
 from reports.run.bench.needs import left_out
 from reports.run.bench.realtime import NO_CACHES, RealTime
 from reports.run.bench.way import Way
@@ -53,8 +53,8 @@ def bench(job: Job, rounds: int = ROUNDS, skip: Collection[str] = ()) -> Bench:
     kernels.keep_apart()
     from reports.run.bench.denoised import unavailable
 
-    lacking = unavailable()
-    skipped = [*job.skipped, *([lacking] if lacking else [])]
+    no_denoiser = unavailable()
+    skipped = [*job.skipped, *([no_denoiser] if no_denoiser else [])]
     if not device().hardware:
         skipped.append(f"GPU times: {device().name} is no GPU")
     points: list[Point] = []
@@ -64,14 +64,14 @@ def bench(job: Job, rounds: int = ROUNDS, skip: Collection[str] = ()) -> Bench:
     extra = ("lobes" not in skip) + GROWTH_STEPS * ("growth" not in skip)
     with reporting(steps * len(job.entries) + extra) as report:
         for entry in job.entries:
-            measured = _measured(job, entry, rounds, not lacking, report)
+            measured = _measured(job, entry, rounds, not no_denoiser, report)
             report.step(f"{entry.case.id}: first starts, changes and memory")
             for m in measured:
                 report.detail(f"{entry.case.id}: {m.way.name}")
                 gpu = m.way.gpu_frames(rounds)
                 points.append(m.point(entry.case, gpu))
-                skipped += [f"{entry.case.id}: {m.way.name}: {p}" for p in m.problems()]
                 m.way.close()
+            skipped += lacking(entry.case, measured)
             equal += equal_errors(entry.case, measured)
             if "needs" not in skip:
                 report.step(f"{entry.case.id}: what it does without")

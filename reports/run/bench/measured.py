@@ -1,5 +1,6 @@
 """The ways of one case, timed together and held against its truth."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -28,10 +29,10 @@ class Measured:
     seconds: list[float] = field(default_factory=list)
     judged: dict[str, list[Judged]] = field(default_factory=dict)
 
-    def problems(self) -> list[str]:
-        """Why errors are missing, if any."""
-        found = {j.problem for pictures in self.judged.values() for j in pictures}
-        return sorted(found - {""})
+    def problems(self) -> list[tuple[str, str]]:
+        """Objects whose errors are missing, with the reason."""
+        found = {(o, _why(j)) for o, pictures in self.judged.items() for j in pictures}
+        return sorted((o, why) for o, why in found if why)
 
     def point(self, case: Case, gpu: list[float]) -> Point:
         """The record of it; its costs are measured now."""
@@ -56,6 +57,28 @@ class Measured:
             held=cost.held,
             errors=[error_of(obj, self.judged[obj.name]) for obj in case.judged],
         )
+
+
+def _why(picture: Judged) -> str:
+    """Why figures of a picture are missing, if any."""
+    figures = {"local energy": picture.local_square, "SSIM": picture.one_minus_ssim}
+    unknown = [name for name, estimate in figures.items() if math.isnan(estimate.value)]
+    if picture.problem or not unknown:
+        return picture.problem
+    return f"{' and '.join(unknown)} unknown: the truth is black or too noisy"
+
+
+def lacking(case: Case, measured: Sequence[Measured]) -> list[str]:
+    """A line per object and reason for which errors are missing, with the ways it holds for."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for m in measured:
+        for problem in m.problems():
+            found.setdefault(problem, []).append(m.way.name)
+    return [
+        f"{case.id}, errors of {name}: {problem}"
+        + ("" if len(ways) == len(measured) else f" ({', '.join(ways)})")
+        for (name, problem), ways in found.items()
+    ]
 
 
 def timed(seconds: Sequence[float]) -> Timed:

@@ -93,7 +93,8 @@ def _reference_rays(case: Case) -> list[LeftOut]:
 def relmse(frame: np.ndarray, other: np.ndarray) -> float:
     """Mean squared difference of two frames (H, W, 3) over the mean square of the second."""
     other = other.astype(float)
-    return float(((frame - other) ** 2).mean() / (other**2).mean())
+    square = float(((frame - other) ** 2).mean())
+    return square / float((other**2).mean()) if square else 0.0  # also where both are black
 
 
 def _features(case: Case, how: Technique) -> Iterator[LeftOut]:
