@@ -173,6 +173,17 @@ def test_time_means_what_the_switch_says():
     assert xs["warm"] < xs["over 60"] < xs["new light"] < xs["over 1"]
 
 
+def test_a_time_whose_spread_is_unknown_beats_nothing_for_sure():
+    points = [
+        point(name=name, median=seconds, errors=[error("copper", seconds, 0.1)], after={"light": t})
+        for name, seconds, t in (("better", 0.1, 1.0), ("worse", 0.9, 1.1))
+    ]
+    stands = {s.point.name: s.states for s in local(points).spots}
+    assert stands["worse"]["warm"].standing == "beaten"
+    assert stands["worse"]["new light"].standing == "near"
+    assert stands["worse"]["new light"].low == stands["worse"]["new light"].x
+
+
 def test_a_point_has_no_place_where_its_time_is_unknown():
     (spot,) = local(lonely(), "ball & <cone>").spots
     assert list(spot.states) == ["warm"]

@@ -43,8 +43,8 @@ def _shared(frames: int) -> Callable[[Point], Measured]:
 
 
 def _after(change: Change) -> Callable[[Point], Measured]:
-    """The next frame after a change; its spread was not measured."""
-    return lambda point: Measured(*[point.after.get(change, math.nan)] * 3)
+    """The next frame after a change; its spread was not measured, so that it beats none for sure."""
+    return lambda point: Measured(point.after.get(change, math.nan), math.nan, math.nan)
 
 
 MODES = (
