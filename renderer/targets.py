@@ -37,15 +37,6 @@ class Target:
         """Where the lower left pixel of `drawn` lies in the picture."""
         return self.covered[:2] if self.antialiased else (0, 0)
 
-    @property
-    def held(self) -> int:
-        """Bytes of its colour and depth."""
-        attached = {id(a): a for f in (self.drawn, self.finished) for a in _hanging(f)}
-        return sum(
-            a.width * a.height * max(a.samples, 1) * (4 if a.depth else 16)
-            for a in attached.values()
-        )
-
     def read(self) -> np.ndarray:
         """The finished linear RGB, (H, W, 3) float32, row 0 on top."""
         width, height = self.finished.size
