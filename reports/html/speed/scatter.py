@@ -43,7 +43,7 @@ def _shared(frames: int) -> Callable[[Point], Measured]:
 
 
 def _after(change: Change) -> Callable[[Point], Measured]:
-    """The next frame after a change; its spread was not measured, so that it beats none for sure."""
+    """The next frame after a change; its spread was not measured: it beats none for sure."""
     return lambda point: Measured(point.after.get(change, math.nan), math.nan, math.nan)
 
 
