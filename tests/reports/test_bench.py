@@ -2,7 +2,10 @@
 
 import json
 import math
+import os
+import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import moderngl
@@ -34,6 +37,7 @@ scene = "single"
 environments = ["studio"]
 resolution = [64, 64]
 """
+ROOT = Path(__file__).resolve().parents[2]
 CHANGES = {"light", "material", "weight", "geometry"}
 
 
@@ -358,3 +362,27 @@ def test_an_option_that_cannot_be_is_refused_in_one_line(shadeproof, suite, tmp_
     assert (code, said, len(err.splitlines())) == (2, "", 1)
     assert err.startswith(f"error: {words[0]}: ") and told in err
     assert not out.exists()
+
+
+INTERRUPTED = """
+import os
+from multiprocessing import forkserver
+from reports.run.bench import kernels
+try:
+    with kernels.kept_apart():
+        forkserver.ensure_running()
+        print(*os.listdir(os.environ["TMPDIR"]), flush=True)
+        raise KeyboardInterrupt
+except KeyboardInterrupt:
+    os._exit(130)  # as reports/cli/main.py
+"""
+
+
+def test_an_interrupted_bench_leaves_no_temporary_folder(tmp_path):
+    env = os.environ | {"TMPDIR": str(tmp_path)}
+    ran = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED], cwd=ROOT, env=env, capture_output=True, text=True
+    )
+    assert ran.returncode == 130 and not ran.stderr
+    assert {name.split("-")[0] for name in ran.stdout.split()} == {"shadeproof", "pymp"}
+    assert not list(tmp_path.iterdir())

@@ -33,6 +33,7 @@ STEPS = 4  # of a case, that are told
 LIGHT = HERE / "environments" / "courtyard.exr"  # under which a lobe's sampling is measured too
 
 
+@kernels.kept_apart()
 def bench(job: Job, rounds: int = ROUNDS, skip: Collection[str] = ()) -> Bench:
     """Measure every case of a job: points, and what path tracing needs to be as good.
 
@@ -50,7 +51,6 @@ def bench(job: Job, rounds: int = ROUNDS, skip: Collection[str] = ()) -> Bench:
     make_folder(job.out, "--out")
     make_folder(job.store, "--store")
     os.environ.update(NO_CACHES)
-    kernels.keep_apart()
     from reports.run.bench.denoised import unavailable
 
     no_denoiser = unavailable()
