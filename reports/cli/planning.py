@@ -48,6 +48,8 @@ def plan(
         problem = f"names a suite that is gone: {measured.suite_path}"
         raise InputError(bench, "suite_path", problem, "run `shadeproof bench` anew")
     suite, path = load_suite(measured.suite_path)
+    if to and to.resolve() == path:
+        raise InputError("--to", str(to), "is the suite that was measured", "name another file")
     lights = [_found(light) for light in environment or []]
     try:
         picked = chosen(measured, goal)
@@ -65,7 +67,9 @@ def plan(
     write_text(to, written)
     for case, point in picked.items():
         console.print(f"{case}: {goal.told(point)}", soft_wrap=True, markup=False)
-    console.print(f"plan: {to}; `shadeproof gate --suite {shlex.quote(str(to))}` checks it")
+    # A time is no budget, and a gate needs one.
+    how = "compare" if goal.max_error is None else "gate"
+    console.print(f"plan: {to}; `shadeproof {how} --suite {shlex.quote(str(to))}` checks it")
 
 
 def _goal(figure, max_error: float | None, max_ms: float | None):
@@ -86,11 +90,12 @@ def _goal(figure, max_error: float | None, max_ms: float | None):
 
 
 def _found(environment: str) -> str:
-    """An environment by its name on our shelf, or the absolute path of a file."""
-    from scenes.environment import FORMATS
+    """An environment that can be read, by its name on our shelf or a file's absolute path."""
+    from scenes.environment import FORMATS, load_environment
     from scenes.files import find
     from scenes.suite import HERE
 
     shelf = HERE / "environments"
     path = find(environment, shelf, FORMATS, Path.cwd(), "--environment", "")
+    load_environment(path)
     return str(path) if Path(environment).suffix.lower() in FORMATS else environment

@@ -102,7 +102,8 @@ def planned(
             their environment alone fall together there, the slowest technique of them is taken.
 
     Raises:
-        InputError: the suite has no such case any more, or draws another one by its name.
+        InputError: the suite has no such case any more, or draws another one by its name; or two
+            environments have one name.
     """
     known = [(_case(suite, run, path), _absolute(run, path.parent)) for run in _single(suite)]
     if gone := sorted(set(picked) - {case.id for case, _ in known}):
@@ -111,7 +112,7 @@ def planned(
         if case.id in picked and picked[case.id].digest not in ("", case_digest(case)):
             problem = f"does not draw '{case.id}' as it was measured"
             raise InputError(path, "run", problem, MADE_ANEW)
-    runs: dict[str, tuple[float, Run]] = {}
+    runs: dict[str, tuple[float, Run, Path]] = {}
     for case, run in known:
         if case.id not in picked:
             continue
@@ -119,11 +120,15 @@ def planned(
         for light in (*run.environments, *environments):
             update = {"environments": (light,), "techniques": (point.name,)}
             other = run.model_copy(update=update | {"truths": None, "split_model": False})
-            under = _case(suite, other, path).id
+            made = _case(suite, other, path)
+            under, file = made.id, made.environment.path
+            if under in runs and runs[under][2] != file:
+                problem = f"makes another case '{under}'"
+                raise InputError("--environment", light, problem, "rename the file")
             # What was measured under an environment goes before what is carried over to it.
             cost = math.inf if light in run.environments else point.frame.median
             if under not in runs or cost > runs[under][0]:
-                runs[under] = cost, other
+                runs[under] = cost, other, file
     techniques = tuple(dict.fromkeys(p.name for p in picked.values()))
     return Suite(
         description=f"Planned from {path.stem}: {_goal(goal)}.",
@@ -132,7 +137,7 @@ def planned(
         allow_inconclusive=suite.allow_inconclusive,
         model=suite.model,
         reference=suite.reference,
-        run=tuple(run for _, run in runs.values()),
+        run=tuple(run for _, run, _ in runs.values()),
         budget=_budgets(goal, techniques),
     )
 

@@ -2,11 +2,13 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from reports.results import Figured
 from reports.speed.plan import Goal, OutOfReachError, chosen
 from reports.speed.points import Bench, Error, Point, Timed, case_digest, save_bench
+from scenes.frame import Frame, save_frame
 from scenes.suite import expand, load_suite
 
 SCENE = """\
@@ -272,6 +274,44 @@ def test_a_case_that_is_drawn_otherwise_under_the_same_name_is_told(
     changed.write_text(changed.read_text().replace(before, after))
     code, out, err = shadeproof("plan", "--max-error", 0.5, "--bench", measured)
     assert (code, out) == (2, "") and "as it was measured; run `shadeproof bench` anew" in err
+
+
+def environment(path, value=1.0):
+    """Write a tiny environment, and return its path."""
+    path.parent.mkdir(exist_ok=True)
+    save_frame(Frame(np.full((4, 8, 3), value, np.float32)), path)
+    return path
+
+
+def test_another_environment_of_the_same_name_is_refused(measured, shadeproof, tmp_path):
+    own = environment(tmp_path / "mine" / "studio.exr")
+    words = ("--max-error", 0.5, "--bench", measured, "--environment", own)
+    code, out, err = shadeproof("plan", *words)
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
+    assert "makes another case 'ball.studio." in err and "rename the file" in err
+
+
+def test_an_environment_that_cannot_be_drawn_is_refused(measured, shadeproof, tmp_path):
+    broken = environment(tmp_path / "broken.exr", np.nan)
+    words = ("--max-error", 0.5, "--bench", measured, "--environment", broken)
+    code, out, err = shadeproof("plan", *words)
+    assert (code, out, len(err.splitlines())) == (2, "", 1) and "NaN" in err
+
+
+def test_a_plan_never_overwrites_the_suite_it_was_made_of(measured, shadeproof):
+    suite = measured.parent / "suite.toml"
+    words = ("--max-error", 0.5, "--bench", measured, "--to", suite)
+    code, _, err = shadeproof("plan", *words)
+    assert code == 2 and "is the suite that was measured" in err
+    assert suite.read_text() == SUITE
+
+
+@pytest.mark.parametrize(("option", "how"), [("--max-error", "gate"), ("--max-ms", "compare")])
+def test_the_command_that_checks_a_plan_can_check_it(measured, shadeproof, tmp_path, option, how):
+    to = tmp_path / "plan.toml"
+    out = shadeproof("plan", option, 3, "--bench", measured, "--to", to)[1]
+    assert f"`shadeproof {how} --suite" in out
+    assert bool(load_suite(str(to))[0].budget) == (how == "gate")
 
 
 def test_gate_takes_a_plan(measured, shadeproof, tmp_path):
