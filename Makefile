@@ -35,8 +35,10 @@ report: .venv/.stamp ## write the report anew from the results in OUT
 references: .venv/.stamp ## render the references a suite needs and keep them
 	@$(BIN)/shadeproof references --suite '$(SUITE)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
+# It has a suite of its own, unless another is asked for.
 bench: .venv/.stamp ## speed against error: every technique beside path tracing, raw and denoised
-	@$(BIN)/shadeproof bench --out '$(OUT)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
+	@$(BIN)/shadeproof bench $(if $(filter file,$(origin SUITE)),,--suite '$(SUITE)') \
+		--out '$(OUT)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
 stability: .venv/.stamp ## hold the shaders against double precision and Mitsuba, per direction
 	@$(BIN)/shadeproof stability $(ARGS)

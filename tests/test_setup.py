@@ -101,6 +101,16 @@ def system_sh(tmp_path, **environment):
     return done
 
 
+def commands_of(*words):
+    """What make would run, from a .venv as it stands."""
+    return run("make", "-n", "-o", ".venv/.stamp", *words).stdout
+
+
+def test_make_bench_takes_the_suite_that_is_asked_for():
+    assert "bench --suite 'mine.toml'" in " ".join(commands_of("bench", "SUITE=mine.toml").split())
+    assert "--suite" not in (own := commands_of("bench")) and "shadeproof bench" in own
+
+
 def test_system_sh_is_silent_when_nothing_is_missing(tmp_path):
     done = system_sh(tmp_path, NO_APT="1")
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
