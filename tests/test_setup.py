@@ -70,7 +70,7 @@ def test_imports_are_declared():
 
 def run(command, **environment):
     """Run a command in the checkout, away from the variables of a make around these tests."""
-    outer = ("MAKEFLAGS", "MAKELEVEL", "MFLAGS", "NO_APT", "PYTHON", "DRJIT_LIBLLVM_PATH")
+    outer = ("MAKEFLAGS", "MAKELEVEL", "MFLAGS", "NO_APT", "PYTHON", "SUITE", "DRJIT_LIBLLVM_PATH")
     inherited = {name: value for name, value in os.environ.items() if name not in outer}
     return subprocess.run(
         command,
@@ -103,7 +103,7 @@ def system_sh(tmp_path, **environment):
 
 def commands_of(*words):
     """What make would run, from a .venv as it stands."""
-    return run("make", "-n", "-o", ".venv/.stamp", *words).stdout
+    return run(("make", "-n", "-o", ".venv/.stamp", *words)).stdout
 
 
 def test_make_bench_takes_the_suite_that_is_asked_for():
