@@ -130,7 +130,8 @@ class LeftOut(Record):
 
     `exact`: with it on the frame is the same, within `difference` (relMSE). Else it is another
     picture, by `difference`; or an approximation of the truth, where `interval` is known: the truth
-    moves by `difference` where its interval is `interval`.
+    moves by `difference` where its interval is `interval`. `saved_seconds` is the median over pairs
+    timed in turn, beside their quartiles: below 0 in noise.
     """
 
     case: str
@@ -140,6 +141,8 @@ class LeftOut(Record):
     difference: Figure
     interval: Figure = UNKNOWN
     saved_seconds: Figure = UNKNOWN
+    saved_low: Figure = UNKNOWN
+    saved_high: Figure = UNKNOWN
 
 
 class LobeSampling(Record):

@@ -68,6 +68,8 @@ def test_what_some_object_needs_is_not_told_as_left_out_of_all(found):
 
 def test_maps_that_nothing_reads_are_told_with_the_time_they_would_take(found):
     assert found["sampled@4: prefiltered environment"].saved_seconds > 0.01
+    for told in found.values():
+        assert told.saved_low <= told.saved_seconds <= told.saved_high
     assert found["sampled@4: irradiance map"].saved_seconds > 0
     assert not any("paper-noaa: environment" in what for what in found)  # it reads both
 

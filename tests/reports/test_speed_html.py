@@ -384,9 +384,13 @@ def test_what_is_left_out_is_told_with_its_proof():
         exact.model_copy(update={"difference": 0.0, "saved_seconds": 0.0042}),
         exact.model_copy(update={"exact": False, "difference": 0.0004, "interval": 0.002}),
         exact.model_copy(update={"difference": NAN}),
+        exact.model_copy(update={"saved_seconds": -1e-4, "saved_low": -0.002, "saved_high": 0.001}),
     ]
     (case,) = speed_view(small_bench(points=crowd()[:1], left_out=found)).cases
     assert [plain(x.difference) for x in case.left_out] == [
         "the frame by relMSE 3.1e−9", "nothing", "the truth by 0.04 %, known within 0.20 %", "–",
+        "the frame by relMSE 3.1e−9",
     ]  # fmt: skip
-    assert [plain(x.saved) for x in case.left_out] == ["–", "4.2 ms", "–", "–"]
+    assert [plain(x.saved) for x in case.left_out] == [
+        "–", "4.2 ms", "–", "–", "−0.1 ms (−2 ms to 1 ms)",
+    ]  # fmt: skip

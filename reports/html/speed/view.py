@@ -162,10 +162,13 @@ def _left_out(found: LeftOut) -> LeftOutView:
     else:
         difference = f"the truth by {percent(found.difference)}"
         difference += f", known within {percent(found.interval)}"
+    saved = seconds(found.saved_seconds)
+    if math.isfinite(found.saved_low) and math.isfinite(found.saved_high):
+        saved += f" ({seconds(found.saved_low)} to {seconds(found.saved_high)})"
     return LeftOutView(
         what=found.what,
         why=found.why,
         kind="exact" if found.exact else "approximate",
         difference=difference,
-        saved=seconds(found.saved_seconds),
+        saved=saved,
     )

@@ -5,11 +5,10 @@ them. Here each is switched on although nothing needs it.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from statistics import median
 from time import perf_counter
 
 import numpy as np
@@ -21,6 +20,7 @@ from renderer.glsl import source
 from renderer.passes import Prepared, draw_frame
 from renderer.precompute import Precomputed, precomputed
 from reports.noise import quantile
+from reports.run.bench.measured import timed
 from reports.speed.points import LeftOut
 from scenes.schema import Case
 
@@ -85,7 +85,7 @@ def _reference_rays(case: Case) -> list[LeftOut]:
             exact=False,
             difference=moved,
             interval=quantile(0.95, 2 * FRAMES - 2) * se,
-            saved_seconds=median(seconds["full"]) - median(seconds["short"]),
+            **_saved(np.subtract(seconds["full"], seconds["short"])),
         )
     ]
 
@@ -111,7 +111,7 @@ def _features(case: Case, how: Technique) -> Iterator[LeftOut]:
             why=f"{why} on {_named(without, len(case.objects))}",
             exact=difference <= SAME,
             difference=difference,
-            saved_seconds=more,
+            **_saved(more),
         )
 
 
@@ -136,16 +136,15 @@ def _maps(case: Case, how: Technique) -> Iterator[LeftOut]:
             why=("all light is looked up" if how.samples else "no lobe reads it") + "; saved once",
             exact=True,
             difference=0.0,
-            saved_seconds=_seconds_of_maps(case.environment.path, names, shared),
+            **_saved(_seconds_of_maps(case.environment.path, names, shared)),
         )
 
 
 @cache
-def _seconds_of_maps(path: Path, names: tuple[str, ...], beside: tuple[str, ...]) -> float:
-    """What maps take beyond others that are made with them."""
+def _seconds_of_maps(path: Path, names: tuple[str, ...], beside: tuple[str, ...]) -> list[float]:
+    """What maps take beyond others that are made with them, MAKINGS times."""
     _made(path, (*names, *beside))  # compiles
-    more = [_made(path, (*names, *beside)) - _made(path, beside) for _ in range(MAKINGS)]
-    return median(more)
+    return [_made(path, (*names, *beside)) - _made(path, beside) for _ in range(MAKINGS)]
 
 
 def _made(path: Path, names: tuple[str, ...]) -> float:
@@ -166,12 +165,12 @@ def _antialiasing(case: Case, how: Technique) -> LeftOut:
         why="the technique asks for no antialiasing",
         exact=False,
         difference=difference,
-        saved_seconds=more,
+        **_saved(more),
     )
 
 
-def _compared(case: Case, more: Technique, how: Technique) -> tuple[float, float]:
-    """relMSE of two techniques' frames, and the seconds that the first takes more."""
+def _compared(case: Case, more: Technique, how: Technique) -> tuple[float, list[float]]:
+    """relMSE of two techniques' frames, and the seconds that the first takes more, by pairs."""
     prepared = []
     for each in (more, how):
         environment = precomputed(case.environment.path)
@@ -183,7 +182,13 @@ def _compared(case: Case, more: Technique, how: Technique) -> tuple[float, float
     slower = [_seconds(prepared[0]) - _seconds(prepared[1]) for _ in range(FRAMES)]
     for ready in prepared:
         ready.target.release()
-    return relmse(*frames), median(slower)
+    return relmse(*frames), slower
+
+
+def _saved(more: Sequence[float]) -> dict[str, float]:
+    """Fields of LeftOut: the median of what pairs take more, and their quartiles."""
+    told = timed(more)
+    return {"saved_seconds": told.median, "saved_low": told.low, "saved_high": told.high}
 
 
 def _seconds(prepared: Prepared) -> float:
