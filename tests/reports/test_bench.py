@@ -138,7 +138,8 @@ def test_every_technique_is_held_against_both_families(found):
     assert {e.against for e in known} == {"path traced", "denoised"}
     for e in known:
         assert e.beyond in ("", "above")
-        assert e.samples.low <= e.samples.value <= e.samples.high
+        told = not math.isnan(e.samples.low)  # the noise of so small a truth may be unknown
+        assert not told or e.samples.low <= e.samples.value <= e.samples.high
         assert e.ratio.value == pytest.approx(e.seconds.value / frame_of(found, e), rel=0.5)
 
 
