@@ -387,3 +387,28 @@ def test_an_interrupted_bench_leaves_no_temporary_folder(tmp_path):
     assert ran.returncode == 130 and not ran.stderr
     assert {name.split("-")[0] for name in ran.stdout.split()} == {"shadeproof", "pymp"}
     assert not list(tmp_path.iterdir())
+
+
+STOPPED = """
+import os, signal, sys, threading
+from reports.run.bench.realtime import started_anew
+from scenes.suite import expand, load_suite
+(entry,) = expand(*load_suite(sys.argv[1]))
+threading.Timer(0.2, os.killpg, (0, signal.SIGINT)).start()
+try:
+    started_anew(entry.case, "paper")
+except BaseException:
+    os._exit(130)
+"""
+
+
+def test_a_technique_that_is_interrupted_as_it_starts_leaves_no_traceback(suite):
+    ran = subprocess.run(
+        [sys.executable, "-c", STOPPED, str(suite)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        start_new_session=True,
+        timeout=60,
+    )
+    assert (ran.returncode, ran.stderr) == (130, "")

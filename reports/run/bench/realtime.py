@@ -7,8 +7,11 @@ on disk are off in it.
 """
 
 import os
+import signal
 import tempfile
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
@@ -95,11 +98,34 @@ def started_anew(case: Case, name: str) -> Cost:
     server = get_context("forkserver")
     server.set_forkserver_preload([__name__])
     with ProcessPoolExecutor(1, mp_context=server) as pool:
-        return pool.submit(_cold, case, name).result()
+        with held_back():
+            cost = pool.submit(_cold, case, name)
+        return cost.result()
+
+
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Hold Ctrl-C back until the block ends, and from the processes that are started in it.
+
+    A terminal sends it to all of them, and one that starts would answer it with a traceback, as
+    would one whose parent is gone. It comes to `_cold` again.
+    """
+    held: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # which is inherited
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        signal.signal(signal.SIGINT, before)
+        if held:
+            signal.raise_signal(signal.SIGINT)
 
 
 def _cold(case: Case, name: str) -> Cost:
     """In the child: build everything twice, the second time without compilation."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     os.environ.update(NO_CACHES)
     chosen, path = technique(name), case.environment.path
     load_environment(path)
