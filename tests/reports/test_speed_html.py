@@ -263,7 +263,7 @@ def told(*found, quantity=0):
 @pytest.mark.parametrize(
     ("found", "ending"),
     [
-        ([], "65 ms a frame, local energy error 41.0 %."),
+        ([], "65 ms a warm frame, local energy error 41.0 %."),
         (
             [equal()],
             "41.0 %. Mitsuba needs 3.2 samples (2.88 to 3.52) to be as good: 800 ms, "
@@ -294,7 +294,7 @@ def told(*found, quantity=0):
         (
             [equal(object="silver"), equal(case="x"), equal(figure="one_minus_ssim"),
              equal(technique="x")],
-            "65 ms a frame, local energy error 41.0 %.",
+            "65 ms a warm frame, local energy error 41.0 %.",
         ),
     ],
 )  # fmt: skip
@@ -313,7 +313,7 @@ def test_an_interval_without_an_upper_end_says_or_more(end):
 def test_each_figure_has_its_own_sentence():
     assert told(equal()) != told(equal(), quantity=1)
     assert told(equal(figure="one_minus_ssim"), quantity=1).startswith(
-        "65 ms a frame, 1 − SSIM 0.1600. Mitsuba needs"
+        "65 ms a warm frame, 1 − SSIM 0.1600. Mitsuba needs"
     )
 
 

@@ -58,7 +58,8 @@ def device_of(bench: Bench) -> str:
 def verdict_of(point: Point, object_name: str, quantity: Quantity, bench: Bench) -> str:
     """One technique's time and error, and what path tracing needs to be as good."""
     error = quantity.of(error_of(point, object_name))
-    said = f"{seconds(point.frame.median)} a frame, {quantity.inline} {quantity.show(error.value)}."
+    frame = f"{seconds(point.frame.median)} a warm frame"  # whatever the switch shows
+    said = f"{frame}, {quantity.inline} {quantity.show(error.value)}."
     found = {
         e.against: e for e in bench.equal
         if (e.case, e.object, e.technique, e.figure)
