@@ -3,20 +3,10 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PlainSerializer,
-    ValidationError,
-    WithJsonSchema,
-)
+from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema
 
-from scenes.errors import InputError
-from scenes.frame import write_text
+from reports.record import Record, load, save
 from scenes.suite import Budget
-from scenes.words import first_mistake
 
 SCHEMA_VERSION = 2
 Verdict = Literal["pass", "fail", "inconclusive", "reported"]
@@ -39,12 +29,6 @@ UNKNOWN = Field(default_factory=lambda: float("nan"))
 UNKNOWN_INTERVAL = Field(default_factory=lambda: (float("nan"),) * 2)
 UNKNOWN_RGB_INTERVALS = Field(default_factory=lambda: ((float("nan"),) * 2,) * 3)
 UNKNOWN_RGB = Field(default_factory=lambda: (float("nan"),) * 3)
-
-
-class Record(BaseModel):
-    """A part of results.json; unknown fields are refused."""
-
-    model_config = ConfigDict(extra="forbid")
 
 
 class Row(Record):
@@ -213,22 +197,9 @@ class Results(Record):
 
 def save_results(results: Results, path: Path) -> None:
     """Write results.json whole or not at all."""
-    write_text(path, results.model_dump_json(indent=1) + "\n")
+    save(results, path)
 
 
 def load_results(path: Path) -> Results:
-    """Read a results.json.
-
-    Raises:
-        InputError: it is missing, damaged, or of another schema version.
-    """
-    try:
-        return Results.model_validate_json(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(path, "", "cannot be read", "run `shadeproof compare` first") from error
-    except ValueError as error:
-        told = [str(error)]  # it is no text
-        if isinstance(error, ValidationError):
-            told = first_mistake(error)[:2]
-        problem = f"is no results.json of schema {SCHEMA_VERSION} ({' '.join(told).strip()})"
-        raise InputError(path, "", problem, "run `shadeproof compare` again") from error
+    """Read a results.json; see `reports.record.load`."""
+    return load(Results, path, f"results.json of schema {SCHEMA_VERSION}", "shadeproof compare")

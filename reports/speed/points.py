@@ -4,13 +4,11 @@ import hashlib
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from reports.results import UNKNOWN, Figure, Figured, Record
-from scenes.errors import InputError
-from scenes.frame import write_text
+from reports.record import Record, load, save
+from reports.results import UNKNOWN, Figure, Figured
 from scenes.schema import Case
-from scenes.words import first_mistake
 
 SCHEMA_VERSION = 1
 FIGURES = ("energy_local", "one_minus_ssim")  # the errors that are drawn over time
@@ -187,22 +185,9 @@ def case_digest(case: Case) -> str:
 
 def save_bench(bench: Bench, path: Path) -> None:
     """Write bench.json whole or not at all."""
-    write_text(path, bench.model_dump_json(indent=1) + "\n")
+    save(bench, path)
 
 
 def load_bench(path: Path) -> Bench:
-    """Read a bench.json.
-
-    Raises:
-        InputError: it is missing, damaged, or of another schema version.
-    """
-    try:
-        return Bench.model_validate_json(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(path, "", "cannot be read", "run `shadeproof bench` first") from error
-    except ValueError as error:
-        told = [str(error)]  # it is no text
-        if isinstance(error, ValidationError):
-            told = first_mistake(error)[:2]
-        problem = f"is no bench.json of schema {SCHEMA_VERSION} ({' '.join(told).strip()})"
-        raise InputError(path, "", problem, "run `shadeproof bench` again") from error
+    """Read a bench.json; see `reports.record.load`."""
+    return load(Bench, path, f"bench.json of schema {SCHEMA_VERSION}", "shadeproof bench")
