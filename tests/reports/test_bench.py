@@ -390,11 +390,18 @@ def test_an_interrupted_bench_leaves_no_temporary_folder(tmp_path):
 
 
 STOPPED = """
-import os, signal, sys, threading
+import os, signal, sys, threading, time
+from pathlib import Path
 from reports.run.bench.realtime import started_anew
 from scenes.suite import expand, load_suite
 (entry,) = expand(*load_suite(sys.argv[1]))
-threading.Timer(0.2, os.killpg, (0, signal.SIGINT)).start()
+def stop():
+    if sys.argv[2] == "starts":
+        time.sleep(0.2)
+    while sys.argv[2] == "draws" and not list(Path(os.environ["TMPDIR"]).glob("tmp*")):
+        time.sleep(0.01)
+    os.killpg(0, signal.SIGINT)
+threading.Thread(target=stop, daemon=True).start()
 try:
     started_anew(entry.case, "paper")
 except BaseException:
@@ -402,13 +409,16 @@ except BaseException:
 """
 
 
-def test_a_technique_that_is_interrupted_as_it_starts_leaves_no_traceback(suite):
+@pytest.mark.parametrize("moment", ["starts", "draws"])
+def test_a_technique_that_is_interrupted_leaves_no_traceback(suite, tmp_path, moment):
     ran = subprocess.run(
-        [sys.executable, "-c", STOPPED, str(suite)],
+        [sys.executable, "-c", STOPPED, str(suite), moment],
         cwd=ROOT,
+        env=os.environ | {"TMPDIR": str(tmp_path)},
         capture_output=True,
         text=True,
         start_new_session=True,
         timeout=60,
     )
     assert (ran.returncode, ran.stderr) == (130, "")
+    assert not list(tmp_path.glob("tmp*")), "links to meshes"

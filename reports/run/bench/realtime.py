@@ -108,7 +108,7 @@ def held_back() -> Iterator[None]:
     """Hold Ctrl-C back until the block ends, and from the processes that are started in it.
 
     A terminal sends it to all of them, and one that starts would answer it with a traceback, as
-    would one whose parent is gone. It comes to `_cold` again.
+    would one whose parent is gone. `_cold` lets it through again.
     """
     held: list[int] = []
     before = signal.signal(signal.SIGINT, lambda number, _: held.append(number))
@@ -123,9 +123,16 @@ def held_back() -> Iterator[None]:
 
 
 def _cold(case: Case, name: str) -> Cost:
-    """In the child: build everything twice, the second time without compilation."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """In the child, which Ctrl-C meets here alone: the parent is told of it then."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    try:
+        return _built_twice(case, name)
+    finally:
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+def _built_twice(case: Case, name: str) -> Cost:
+    """Build everything twice, the second time without compilation."""
     os.environ.update(NO_CACHES)
     chosen, path = technique(name), case.environment.path
     load_environment(path)
