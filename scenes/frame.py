@@ -123,9 +123,9 @@ def sha256(path: Path) -> str:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file aside and rename it, so that a reader never sees half of it."""
+    """Write a text file (UTF-8) aside and rename it, so that a reader never sees half of it."""
     with written_aside(path) as aside:
-        aside.write_text(text)
+        aside.write_text(text, encoding="utf-8")
 
 
 @contextmanager

@@ -30,7 +30,9 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         try:
-            write_scene(Case.model_validate_json(options.case.read_text()), Path(folder))
+            write_scene(
+                Case.model_validate_json(options.case.read_text(encoding="utf-8")), Path(folder)
+            )
         except InputError as error:
             print(error, file=sys.stderr)
             return 2

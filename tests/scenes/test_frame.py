@@ -1,6 +1,7 @@
 """Frames on disk: whole, exact, or not there."""
 
 import json
+import os
 import pickle
 import subprocess
 import sys
@@ -171,3 +172,13 @@ def test_a_mistake_comes_back_whole_from_another_process():
     error = InputError("suite.toml", "truths", "is empty", "name one")
     again = pickle.loads(pickle.dumps(error))
     assert (type(again), str(again), vars(again)) == (InputError, str(error), vars(error))
+
+
+def test_text_is_utf_8_whatever_the_locale(tmp_path):
+    code = (
+        "import sys, pathlib, scenes.frame as f; f.write_text(pathlib.Path(sys.argv[1]), '\\u00d7')"
+    )
+    plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    words = [sys.executable, "-c", code, str(tmp_path / "text")]
+    subprocess.run(words, env=os.environ | plain, check=True)
+    assert (tmp_path / "text").read_bytes() == "\u00d7".encode()
