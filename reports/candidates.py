@@ -65,7 +65,7 @@ class Command:
         """
         with tempfile.TemporaryDirectory() as folder:
             description, out = Path(folder) / "case.json", Path(folder) / "out.exr"
-            description.write_text(case.model_dump_json(indent=1))
+            description.write_text(case.model_dump_json(indent=1), encoding="utf-8")
             words = [
                 w.replace("{case}", str(description)).replace("{out}", str(out)) for w in self.words
             ]
