@@ -148,8 +148,7 @@ def placement(obj: Object) -> np.ndarray:
         matrix[:3, :3] *= scale
         matrix[:3, 3] = position
         return matrix
-    turned = load_mesh(obj.mesh).vertices.astype(float) @ (matrix[:3, :3] * scale).T
-    low, high = turned.min(axis=0), turned.max(axis=0)
+    low, high = _extent(obj.mesh, tuple(obj.rotate), tuple(scale.tolist()))
     if high[2] - low[2] <= 0:
         raise InputError(obj.mesh, "height", "the mesh is flat", "set 'scale' instead of 'height'")
     factor = obj.height / (high[2] - low[2])
@@ -157,6 +156,16 @@ def placement(obj: Object) -> np.ndarray:
     matrix[:3, :3] *= scale * factor
     matrix[:3, 3] = position - factor * base
     return matrix
+
+
+@cache  # asked for many times a picture, and it reads every vertex
+def _extent(
+    mesh: str, rotate: tuple[float, ...], scale: tuple[float, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The least and the greatest coordinates of a scaled and turned mesh, (3,) each."""
+    matrix = trimesh.transformations.euler_matrix(*np.radians(rotate), axes="sxyz")
+    turned = load_mesh(mesh).vertices.astype(float) @ (matrix[:3, :3] * scale).T
+    return turned.min(axis=0), turned.max(axis=0)
 
 
 def world_mesh(obj: Object) -> Mesh:
