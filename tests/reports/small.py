@@ -22,6 +22,18 @@ technique = "paper"
 truth = {truth}
 {budget}
 """
+BUNNY = """
+description = "One small bunny."
+techniques = ["paper", "sampled@4"]
+truths = ["global"]
+[reference]
+samples_per_batch = 16
+max_samples = 128
+[[run]]
+scene = "single"
+environments = ["studio"]
+resolution = [64, 64]
+"""
 
 
 def small_suite(truths=("unoccluded",), samples=16, most=128, size=(96, 72), budget=""):
