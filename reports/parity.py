@@ -7,7 +7,7 @@ import numpy as np
 from scipy import ndimage
 
 from reports.results import Row
-from reports.stability import TOLERANCE, Agreement
+from reports.stability.agreement import TOLERANCE, Agreement
 from scenes.frame import Frame
 from scenes.schema import Case
 

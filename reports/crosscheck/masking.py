@@ -9,7 +9,7 @@ Cycles' code: the gap is predicted from the formulas, to be laid beside the one 
 
 import numpy as np
 
-from reports.stability import Lambda
+from reports.stability.oracle import Lambda
 from scenes.environment import load_environment
 from scenes.mesh import placement
 from scenes.schema import Case, Environment, Material

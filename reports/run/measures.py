@@ -8,7 +8,9 @@ from renderer import probe
 from reports.efficiency import Efficiency, efficiencies
 from reports.progress import reporting
 from reports.run.job import Job
-from reports.stability import MASKINGS, Agreement, agreement, directions, materials, oracle
+from reports.stability.agreement import Agreement, agreement
+from reports.stability.directions import MASKINGS, directions, materials
+from reports.stability.oracle import oracle
 from scenes.schema import Material, Model
 
 

@@ -5,7 +5,8 @@ import pytest
 from scipy.special import erf
 
 from renderer.probe import brdf_values, probe
-from reports.stability import FLOOR, TOLERANCE, directions, materials
+from reports.stability.agreement import FLOOR, TOLERANCE
+from reports.stability.directions import directions, materials
 from scenes.schema import PAPER, Model
 
 SMITH = Model(masking="smith")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from renderer.precompute import brdf_table
-from reports.stability import oracle
+from reports.stability.oracle import oracle
 from scenes.schema import Material
 
 # 1,024 Hammersley points: masking falls off in a kink at the horizon, and Beckmann is given

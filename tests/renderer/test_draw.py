@@ -16,7 +16,7 @@ from renderer.precompute.brdf_table import smith_table
 from renderer.program import program, set_uniforms
 from renderer.targets import make_target
 from renderer.view import view
-from reports.stability import oracle
+from reports.stability.oracle import oracle
 from scenes.mesh import world_mesh
 from scenes.schema import Camera, Material, Model
 
@@ -255,7 +255,8 @@ def test_stretched_normals_are_interpolated_as_unit_vectors(tmp_path, light, mak
     case = make_case(light(1.0), leaf, camera=camera)
     stretched = world_mesh(case.objects[0])
 
-    target = make_target((case.width, case.height), 0, (0, 0, case.width, case.height))
+    whole = (0, 0, case.width, case.height)
+    target = make_target(whole[2:], 0, whole, whole)
     target.drawn.use()
     target.drawn.clear()
     shader = program("mesh.vert", "surface.frag")

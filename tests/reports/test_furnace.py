@@ -17,7 +17,7 @@ from reports.furnace import (
     weak_furnace,
 )
 from reports.html.energy_claim import energy_claim_view
-from reports.stability import oracle
+from reports.stability.oracle import oracle
 from scenes.schema import Material
 
 ENDS = np.array([0, 0.3, 0.5, 1])

@@ -5,7 +5,9 @@ import pytest
 
 from reference import probe as reference
 from renderer import probe as renderer
-from reports.stability import MASKINGS, WEIGHTS, Lambda, agreement, directions, materials, oracle
+from reports.stability.agreement import agreement
+from reports.stability.directions import MASKINGS, WEIGHTS, directions, materials
+from reports.stability.oracle import Lambda, oracle
 from scenes.schema import Material, Model
 
 SIDES = {
