@@ -101,8 +101,9 @@ class Run(Strict):
     """One scene crossed with environments, materials and sweep axes.
 
     `materials` replaces the material of every object that is not fixed; what the scene changes
-    on an object (`{use = ..., weight = .5}`) stays changed. With `split_model` the model's part of
-    the error is split into Fresnel, kd and masking, for which two more references are traced.
+    on an object (`{use = ..., weight = .5}`) stays changed. `model` stands instead of the suite's.
+    With `split_model` the model's part of the error is split into Fresnel, kd and masking, for
+    which two more references are traced.
     """
 
     scene: str
@@ -113,6 +114,7 @@ class Run(Strict):
     resolution: Resolution | None = None
     truths: Truths | None = None
     techniques: Techniques | None = None
+    model: Model | None = None
     split_model: Switch = False
 
 
@@ -281,7 +283,7 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
             "camera": _framed(scene, width, height),
             "width": width,
             "height": height,
-            "model": suite.model,
+            "model": run.model or suite.model,
             "objects": objects,
         }
         cases.append(parse(Case, fields, scene_path))

@@ -1,1 +1,1 @@
-"""The gate under attack: shader bugs injected into copies of the renderer, each through the gate."""
+"""The gate under attack: shader bugs in copies of the renderer, each through the real gate."""

@@ -68,10 +68,12 @@ class Job:
                 technique(name)
             except ValueError as error:
                 raise InputError(path, "techniques", str(error), "use a known technique") from error
-            if not self.outside and (what := technique(name).cannot_draw(suite.model)):
-                problem = f"'{name}' cannot draw {what}"
-                field = f"model.{what.split()[0]}"
-                raise InputError(path, field, problem, "leave it out, or give a --candidate")
+        for entry in [] if self.outside else entries:
+            for name in entry.techniques:
+                if what := technique(name).cannot_draw(entry.case.model):
+                    problem = f"'{name}' cannot draw {what}"
+                    field = f"model.{what.split()[0]}"
+                    raise InputError(path, field, problem, "leave it out, or give a --candidate")
         for entry in entries:
             load_environment(entry.case.environment.path)
             for obj in entry.case.objects:

@@ -15,7 +15,7 @@ def ids(path) -> list[str]:
     return [e.case.id for e in expand(*load_suite(str(path)))]
 
 
-@pytest.mark.parametrize("name", ["default", "spheres", "full", "tiny", "bench"])
+@pytest.mark.parametrize("name", ["default", "spheres", "full", "tiny", "bench", "guard"])
 def test_a_suite_gives_the_same_cases_every_time(name):
     assert expand(*load_suite(name)) == expand(*load_suite(name))
 
@@ -63,13 +63,14 @@ def test_fixed_objects_keep_their_material(write_suite):
     assert (material.name, material.roughness) == ("copper", 0.4)
 
 
-def test_a_run_may_override_resolution_truths_and_techniques(write_suite):
+def test_a_run_may_override_resolution_truths_techniques_and_model(write_suite):
     path = write_suite(
         'environments = ["studio"]',
         'environments = ["studio"]\nresolution = [32, 16]\ntruths = ["physical"]\n'
-        'techniques = ["sampled"]\nrotation = 90.0',
+        'techniques = ["sampled"]\nrotation = 90.0\n[run.model]\nmasking = "smith"',
     )
     (entry,) = expand(*load_suite(str(path)))
+    assert entry.case.model.masking == "smith"
     assert (entry.case.width, entry.case.height) == (32, 16)
     assert (entry.truths, entry.techniques) == (("physical",), ("sampled",))
     assert entry.case.environment.rotation == 90
