@@ -14,7 +14,7 @@ from renderer.precompute import Maps, precomputed
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.prefilter import LEVELS
 from renderer.program import program
-from renderer.targets import make_target
+from renderer.targets import Rectangle, make_target, within
 from renderer.view import View, covered, view
 from scenes.frame import Frame
 from scenes.schema import Case, Model, Object
@@ -29,8 +29,11 @@ class Renderer:
     def __init__(self, technique: Technique, repeats: int = REPEATS) -> None:
         self.technique, self.repeats = technique, repeats
 
-    def render(self, case: Case) -> Frame:
+    def render(self, case: Case, part: Rectangle | None = None) -> Frame:
         """Draw the case as linear radiance, (H, W, 3) float32.
+
+        A `part` of the picture (left, bottom, width, height in its pixels) shows what the whole
+        shows there, so that a picture can be drawn in parts.
 
         `seconds` is the median of `repeats` warm frames (fewer if they are slow), from the first
         GL call to the end of glFinish, without read-back. Compilation, upload and precomputation
@@ -48,7 +51,8 @@ class Renderer:
         if self.technique.own_table(case.model):
             tables = {smith_table(o.material) for o in case.objects}
         start = perf_counter()
-        prepared = self.prepare(case, environment.maps)
+        part = part or (0, 0, case.width, case.height)
+        prepared = self.prepare(case, environment.maps, part)
         draw_frame(prepared)
         preparation = perf_counter() - start
         times = []
@@ -56,7 +60,7 @@ class Renderer:
             times.append(_timed(prepared))
         rgb, scale = prepared.target.read(), self.technique.supersample
         if scale > 1:
-            rgb = rgb.reshape(case.height, scale, case.width, scale, 3).mean(axis=(1, 3))
+            rgb = rgb.reshape(part[3], scale, part[2], scale, 3).mean(axis=(1, 3))
         prepared.target.release()
         provenance = {
             "renderer": "shadeproof",
@@ -67,24 +71,27 @@ class Renderer:
             "frame_seconds": times,
         }
         seconds = median(times) if times else preparation
-        return Frame(np.ascontiguousarray(rgb), object_ids(case), seconds, provenance)
+        return Frame(np.ascontiguousarray(rgb), object_ids(case, part), seconds, provenance)
 
-    def prepare(self, case: Case, maps: Maps) -> Prepared:
+    def prepare(self, case: Case, maps: Maps, part: Rectangle | None = None) -> Prepared:
         """Compile (or find) the shaders, gather the uniforms and make the target."""
         camera, turn = view(case), case.environment.rotation / 360
         scale = self.technique.supersample
         size = (case.width * scale, case.height * scale)
+        part = tuple(scale * n for n in part or (0, 0, case.width, case.height))
         frame = {
             "forward": camera.forward,
             "right": camera.right,
             "up": camera.up,
             "environment_turn": turn,
+            "picture_corner": part[:2],
+            "picture_size": size,
         }
         draws = [
-            self._draw(number, obj, case.model, camera, size, frame, maps)
+            self._draw(number, obj, case.model, camera, size, part, frame, maps)
             for number, obj in enumerate(case.objects, start=1)
         ]
-        target = make_target(size, self.technique.msaa, covered(case.objects, camera, size))
+        target = make_target(size, self.technique.msaa, covered(case.objects, camera, size), part)
         background = program("fullscreen.vert", "background.frag")
         rays = frame | {"pixel_area": _pixel_area(camera, case)}
         return Prepared(draws, background, rays, maps, target)
@@ -96,6 +103,7 @@ class Renderer:
         model: Model,
         camera: View,
         size: tuple[int, int],
+        part: Rectangle,
         frame: dict[str, Any],
         maps: Maps,
     ) -> Draw:
@@ -123,8 +131,8 @@ class Renderer:
             "coverage_samples": how.msaa,
         }
         vertices = vertex_array(obj.mesh, raster)
-        within = covered((obj,), camera, size)
-        return Draw(vertices, raster, shading, uniforms, maps, culled(obj, camera), within)
+        touched = within(covered((obj,), camera, size), part)
+        return Draw(vertices, raster, shading, uniforms, maps, culled(obj, camera), touched)
 
 
 def _pixel_area(camera: View, case: Case) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from renderer.context import context
 from renderer.geometry import buffers
 from renderer.program import program, set_uniforms
-from renderer.targets import release
+from renderer.targets import Rectangle, release
 from renderer.view import View, inside, view
 from scenes.mesh import load_mesh, placement
 from scenes.schema import Case, Object
@@ -38,14 +38,20 @@ def culled(obj: Object, camera: View) -> bool:
     return load_mesh(obj.mesh).closed and not inside(obj, camera.eye)
 
 
-def object_ids(case: Case) -> np.ndarray:
-    """The object at each pixel's centre, (H, W) uint8, 1-based; 0 is the background."""
-    gl, size = context(), (case.width, case.height)
+def object_ids(case: Case, part: Rectangle | None = None) -> np.ndarray:
+    """The object at each pixel's centre, (H, W) uint8, 1-based; 0 is the background.
+
+    Args:
+        part: left, bottom, width and height of the pixels to draw; None for all.
+    """
+    left, bottom, *size = part or (0, 0, case.width, case.height)
+    gl = context()
     camera = view(case)
     shader = program("mesh.vert", "id.frag")
     target = gl.framebuffer([gl.renderbuffer(size, 1, dtype="u1")], gl.depth_renderbuffer(size))
-    target.use()
     target.clear()
+    target.viewport = (-left, -bottom, case.width, case.height)
+    target.use()
     for number, obj in enumerate(case.objects, start=1):
         cull = moderngl.CULL_FACE if culled(obj, camera) else 0
         gl.enable_only(moderngl.DEPTH_TEST | cull)
@@ -54,4 +60,4 @@ def object_ids(case: Case) -> np.ndarray:
     gl.enable_only(moderngl.NOTHING)
     ids = np.frombuffer(target.read(components=1, dtype="u1"), np.uint8)
     release(target, *target.color_attachments, target.depth_attachment)
-    return ids.reshape(case.height, case.width)[::-1].copy()
+    return ids.reshape(size[1], size[0])[::-1].copy()

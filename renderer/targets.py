@@ -7,7 +7,8 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from renderer.context import context
+from renderer.context import context, device
+from scenes.errors import InputError
 
 Rectangle = tuple[int, int, int, int]  # left, bottom, width, height, in pixels
 
@@ -19,8 +20,8 @@ class Target:
     Attributes:
         drawn: the normal and the number of the object that each pixel shows, or each coverage
             sample; then it spans only `covered`.
-        finished: the whole picture.
-        covered: the part of the picture that objects may touch.
+        finished: the picture, or the part of it that is asked for.
+        covered: the part of `finished` that objects may touch.
     """
 
     drawn: moderngl.Framebuffer
@@ -34,7 +35,7 @@ class Target:
 
     @property
     def corner(self) -> tuple[int, int]:
-        """Where the lower left pixel of `drawn` lies in the picture."""
+        """Where the lower left pixel of `drawn` lies in `finished`."""
         return self.covered[:2] if self.antialiased else (0, 0)
 
     def read(self) -> np.ndarray:
@@ -49,18 +50,30 @@ class Target:
         release(self.drawn, self.finished, *attached.values())
 
 
-def make_target(size: tuple[int, int], msaa: int, covered: Rectangle) -> Target:
-    """A float32 RGBA target of `size` (width, height) with `msaa` samples a pixel, 0 for none.
+def make_target(size: tuple[int, int], msaa: int, covered: Rectangle, part: Rectangle) -> Target:
+    """A float32 RGBA target for a part of a picture, with `msaa` samples a pixel, 0 for none.
 
-    float32, since suns exceed the 65,504 that float16 can hold.
+    float32, since suns exceed the 65,504 that float16 can hold. Whatever the part, the whole
+    picture's viewport is drawn, moved: every sample lies where it would in the whole.
+
+    Args:
+        size: width and height of the whole picture.
+        covered: what objects may touch of it.
+
+    Raises:
+        InputError: the driver offers no such sizes or not so many samples.
     """
-    gl = context()
+    _offered(size, part, msaa)
+    gl, whole = context(), size
+    corner, size = part[:2], part[2:]
+    covered = within(covered, part)
     colour = gl.renderbuffer(size, 4, dtype="f4")
     if not msaa:
         depth = gl.depth_renderbuffer(size)
         finished = gl.framebuffer([colour], depth)
         finished.depth_mask = False  # its depth is that of `drawn`
         drawn = gl.framebuffer([gl.texture(size, 4, dtype="f4")], depth)
+        drawn.viewport = (-corner[0], -corner[1], *whole)
         return Target(drawn, finished, covered)
     left, bottom, *inner = covered
     inner = max(inner[0], 1), max(inner[1], 1)
@@ -68,9 +81,27 @@ def make_target(size: tuple[int, int], msaa: int, covered: Rectangle) -> Target:
         [gl.texture(inner, 4, samples=msaa, dtype="f4")],
         gl.depth_renderbuffer(inner, samples=msaa),
     )
-    # The whole picture's viewport, moved: every sample lies where it would without the crop.
-    drawn.viewport = (-left, -bottom, *size)
+    drawn.viewport = (-corner[0] - left, -corner[1] - bottom, *whole)
     return Target(drawn, gl.framebuffer([colour]), covered)
+
+
+def _offered(whole: tuple[int, int], part: Rectangle, msaa: int) -> None:
+    """Refuse what the driver cannot do, before it says so in words of its own."""
+    info = context().info
+    asked = (
+        ("coverage samples", "samples a pixel", msaa, _most_samples()),
+        ("picture", "pixels a side", max(whole), min(info["GL_MAX_VIEWPORT_DIMS"])),
+        ("part", "pixels a side", max(part[2:]), info["GL_MAX_RENDERBUFFER_SIZE"]),
+    )
+    for field, unit, count, most in asked:
+        if count > most:
+            problem = f"{count} {unit} are asked for and {device().name} offers {most}"
+            raise InputError("OpenGL", field, problem, f"ask for at most {most}")
+
+
+def _most_samples() -> int:
+    info = context().info
+    return min(info["GL_MAX_COLOR_TEXTURE_SAMPLES"], info["GL_MAX_DEPTH_TEXTURE_SAMPLES"])
 
 
 def _hanging(framebuffer: moderngl.Framebuffer) -> list[Any]:
@@ -88,6 +119,16 @@ def clear_depth(framebuffer: moderngl.Framebuffer) -> None:
     framebuffer.color_mask = (True,) * 4
     framebuffer.viewport = viewport
     framebuffer.use()
+
+
+def within(rectangle: Rectangle, part: Rectangle) -> Rectangle:
+    """What of a rectangle lies in a part of the picture, as seen from the part's corner."""
+    low = [max(r, p) for r, p in zip(rectangle[:2], part[:2], strict=True)]
+    ends = [(rectangle[k] + rectangle[k + 2], part[k] + part[k + 2]) for k in (0, 1)]
+    width, height = (max(min(e) - at, 0) for e, at in zip(ends, low, strict=True))
+    if not width or not height:
+        return 0, 0, 0, 0
+    return low[0] - part[0], low[1] - part[1], width, height
 
 
 def outside(rectangle: Rectangle, size: tuple[int, int]) -> list[Rectangle]:

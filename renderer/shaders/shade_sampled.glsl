@@ -1,5 +1,6 @@
 #include "brdf.glsl"
 #include "radiance.glsl"
+#include "picture.glsl"
 #include "frame.glsl"
 #include "hammersley.glsl"
 #include "sample_ggx.glsl"
@@ -43,7 +44,7 @@ vec3 incident(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec3 count, float sh
 
 // Two fractions that differ from pixel to pixel: Jarzynski and Olano 2020, pcg3d.
 vec2 pixel_shift() {
-    uvec3 p = uvec3(gl_FragCoord.xy, 1u) * 1664525u + 1013904223u;
+    uvec3 p = uvec3(picture_pixel(), 1u) * 1664525u + 1013904223u;
     p.x += p.y * p.z; p.y += p.z * p.x; p.z += p.x * p.y;
     p ^= p >> 16u;
     p.x += p.y * p.z; p.y += p.z * p.x;

@@ -4,7 +4,6 @@
 // Shades an object pixel by pixel, however many triangles it has there. With antialiasing,
 // coverage samples whose normals are alike are shaded as one; else each by its own normal, for a
 // mirror shows what is finer than a pixel.
-in vec2 uv;
 #ifdef ANTIALIASED
 uniform sampler2DMS surfaces;
 uniform int coverage_samples;
@@ -12,7 +11,7 @@ uniform int coverage_samples;
 uniform sampler2D surfaces;
 const int coverage_samples = 1;
 #endif
-uniform ivec2 corner; // of the surfaces' rectangle in the picture
+uniform ivec2 corner; // of the surfaces' rectangle in the framebuffer
 uniform float number;
 layout(location = 0) out vec4 colour;
 
@@ -37,7 +36,7 @@ void main() {
     float spread = 2.0 * (1.0 - length(sum.xyz) / sum.w);
     bool alike = spread <= alpha * alpha / 16.0;
     int sets = alike ? 1 : coverage_samples;
-    vec3 v = -normalize(eye_ray(uv)), L = vec3(0.0);
+    vec3 v = -normalize(eye_ray()), L = vec3(0.0);
     for (int i = 0; i < sets; ++i) {
         vec4 surface = alike ? vec4(normalize(sum.xyz), number) : surface_at(pixel, i);
         if (surface.w == number) L += reflected(surface.xyz, v, i, sets);
