@@ -62,7 +62,7 @@ def run(job: Job) -> Results:
         command=job.command,
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         seconds=time.perf_counter() - start,
-        provenance=_provenance() | {"parity": checks.verdicts(), "references": makers.told()},
+        provenance=provenance() | {"parity": checks.verdicts(), "references": makers.told()},
         allow_inconclusive=job.suite.allow_inconclusive,
         expected_rows=len(job.expected(job.whole)),
         missing=gate.missing_rows(job.expected(job.entries), rows),
@@ -86,7 +86,7 @@ def _clear(out: Path) -> None:
         (out / name).unlink(missing_ok=True)
 
 
-def _provenance() -> dict[str, Any]:
+def provenance() -> dict[str, Any]:
     """Where and with what this ran."""
     return {
         "device": device().name,
