@@ -13,7 +13,8 @@ def write_report(results: Results, folder: Path) -> Path:
 
     Args:
         folder: holds the EXRs at the paths that `results.cases` name; a picture that is not
-            there is shown as a missing picture. A bench.json in it is shown too.
+            there is shown as a missing picture. What other commands left in it, a
+            bench.json, stability.json, attack.json or limits.json, is shown too.
 
     Raises:
         InputError: the folder cannot be written.

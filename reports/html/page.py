@@ -6,6 +6,7 @@ from pathlib import Path
 
 from reports.gate import headline, worst_first
 from reports.html import causes, columns, verdict
+from reports.html.attack import GateView, gate_of
 from reports.html.colour import SIGNED, SIMILARITY, Scale
 from reports.html.energy_claim import ClaimView, energy_claim_view
 from reports.html.figures import METRICS, decisive, seconds, slug
@@ -110,6 +111,7 @@ class Page:
     budgets: list[list[str]]
     energy_claim: ClaimView
     speed: SpeedView | str | None
+    gate: GateView | None
 
 
 def page_of(results: Results, folder: Path) -> Page:
@@ -152,6 +154,7 @@ def page_of(results: Results, folder: Path) -> Page:
         ],
         energy_claim=energy_claim_view(),
         speed=speed_of(folder),
+        gate=gate_of(folder),
     )
 
 

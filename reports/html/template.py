@@ -8,6 +8,7 @@ import jinja2
 from markupsafe import Markup
 
 HERE = Path(__file__).parent
+STYLES, SCRIPTS = ("report.css", "attack.css", "stability.css"), ("report.js", "atlas.js")
 
 
 def render(template: str, **shown: Any) -> str:
@@ -16,11 +17,15 @@ def render(template: str, **shown: Any) -> str:
         _environment()
         .get_template(template)
         .render(
-            css=Markup((HERE / "report.css").read_text(encoding="utf-8")),
-            js=Markup((HERE / "report.js").read_text(encoding="utf-8")),
+            css=_joined(STYLES),
+            js=_joined(SCRIPTS),
             **shown,
         )
     )
+
+
+def _joined(names: tuple[str, ...]) -> Markup:
+    return Markup("\n".join((HERE / name).read_text(encoding="utf-8") for name in names))
 
 
 @cache

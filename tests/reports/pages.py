@@ -99,3 +99,23 @@ def image(page, words):
     """The pixels of the one image whose alternative text starts with `words`."""
     (found,) = [a for t, a in page.elements if t == "img" and a["alt"].startswith(words)]
     return pixels(found["src"])
+
+
+def bare_report(folder):
+    """The report of a run that compared nothing, beside what lies in a folder."""
+    run = Results(
+        suite="s", suite_path="s.toml", description="d", command="c", created="t", seconds=1,
+        provenance={}, allow_inconclusive=False, expected_rows=0, missing=[], skipped=[],
+        cases=[], budgets=[], rows=[], verdict="fail", reasons=["nothing"],
+    )  # fmt: skip
+    return Page(written(run, folder))
+
+
+def plain(string):
+    """Text with plain spaces."""
+    return string.replace("\u202f", " ")
+
+
+def shown_text(page):
+    """The text that a page shows."""
+    return plain(" ".join(page.text["body"].replace(page.text["script"], "").split()))

@@ -5,7 +5,6 @@ import re
 
 import pytest
 
-from reports.html import write_report
 from reports.html.figures import digits, seconds, size
 from reports.html.logaxis import LogAxis
 from reports.html.speed import speed_of, write_page
@@ -13,7 +12,7 @@ from reports.html.speed.labels import Label, places
 from reports.html.speed.scatter import MODES, plots
 from reports.html.speed.view import speed_view
 from reports.html.speed.words import growth, headline, paper_rate, verdict_of
-from reports.results import Figured, Results
+from reports.results import Figured
 from reports.speed.points import LeftOut, save_bench
 from tests.reports.benches import (
     EVIL,
@@ -28,16 +27,7 @@ from tests.reports.benches import (
     point,
     small_bench,
 )
-from tests.reports.pages import Page
-
-
-def words(page):
-    """The text that a page shows."""
-    return plain(" ".join(page.text["body"].replace(page.text["script"], "").split()))
-
-
-def plain(string):
-    return string.replace("\u202f", " ")
+from tests.reports.pages import Page, bare_report, plain, shown_text
 
 
 def of(page, tag, **wanted):
@@ -76,12 +66,16 @@ def test_ids_are_unique_and_every_link_leads_somewhere(page):
 
 def test_hostile_names_stay_text(page):
     assert not any("onclick" in a for _, a in page.elements)
-    assert EVIL in words(page) and "lonely <i>" in words(page) and "ball & <cone>" in words(page)
-    assert "shadeproof bench <all>" in words(page)
+    assert (
+        EVIL in shown_text(page)
+        and "lonely <i>" in shown_text(page)
+        and "ball & <cone>" in shown_text(page)
+    )
+    assert "shadeproof bench <all>" in shown_text(page)
 
 
 def test_no_figure_reads_nan(page):
-    assert not re.search(r"\b(nan|inf|None)\b", words(page))
+    assert not re.search(r"\b(nan|inf|None)\b", shown_text(page))
 
 
 def test_same_bench_makes_the_same_bytes(folder, text):
@@ -100,12 +94,12 @@ def test_sections_without_content_are_left_out(tmp_path, page):
     headings = ("How cost grows", "Sampling a mixture", "does without", "Left out:")
     bare = Page(write_page(small_bench(points=lonely()), tmp_path).read_text(encoding="utf-8"))
     for heading in headings:
-        assert heading in words(page) and heading not in words(bare)
+        assert heading in shown_text(page) and heading not in shown_text(bare)
 
 
 def test_a_bench_without_points_is_a_page(tmp_path):
     shown = Page(write_page(small_bench(points=[]), tmp_path).read_text(encoding="utf-8"))
-    assert "Speed against error in 0 cases" in words(shown)
+    assert "Speed against error in 0 cases" in shown_text(shown)
 
 
 def test_a_damaged_bench_is_told_and_not_fatal(tmp_path):
@@ -116,29 +110,19 @@ def test_a_damaged_bench_is_told_and_not_fatal(tmp_path):
     assert speed_of(tmp_path).cases[0].name == "lonely <i>"
 
 
-def report(folder):
-    """The report of a run that compared nothing."""
-    run = Results(
-        suite="s", suite_path="s.toml", description="d", command="c", created="t", seconds=1,
-        provenance={}, allow_inconclusive=False, expected_rows=0, missing=[], skipped=[],
-        cases=[], budgets=[], rows=[], verdict="fail", reasons=["nothing"],
-    )  # fmt: skip
-    return Page(write_report(run, folder).read_text(encoding="utf-8"))
-
-
 def test_the_report_shows_the_bench_that_lies_beside_it(tmp_path):
-    assert "Speed against error" not in words(report(tmp_path))
+    assert "Speed against error" not in shown_text(bare_report(tmp_path))
     save_bench(small_bench(points=bunnies()), tmp_path / "bench.json")
-    shown = report(tmp_path)
+    shown = bare_report(tmp_path)
     ids = [a["id"] for _, a in shown.elements if "id" in a]
     assert len(ids) == len(set(ids)) and "speed" in ids
-    assert "No technique reaches 60 frames per second" in words(shown)
+    assert "No technique reaches 60 frames per second" in shown_text(shown)
     assert len([a for a in of(shown, "li") if "data-moves" in a]) == 6 * len(bunnies())
 
 
 def test_the_report_stands_where_its_bench_is_damaged(tmp_path):
     (tmp_path / "bench.json").write_text('{"schema_version": 7}')
-    assert "is no bench.json of schema 1" in words(report(tmp_path))
+    assert "is no bench.json of schema 1" in shown_text(bare_report(tmp_path))
 
 
 def local(points, name="copper", modes=MODES):
@@ -192,7 +176,7 @@ def test_a_point_has_no_place_where_its_time_is_unknown():
 def test_no_error_at_all_lies_on_the_lower_edge_and_says_so(page):
     (spot,) = local(lonely(), "ball & <cone>").spots
     assert spot.off and spot.y == 100 and (spot.top, spot.bottom) == (100, 100)
-    assert f"{EVIL}, 0" in words(page)
+    assert f"{EVIL}, 0" in shown_text(page)
 
 
 def test_the_front_is_a_stair_over_the_best_and_differs_by_mode():

@@ -1,0 +1,216 @@
+"""attack.html and its section in report.html: whole, offline, and true to the records."""
+
+import re
+
+import pytest
+
+from reports.attack.limits import FalseAlarms, save_limits
+from reports.attack.results import save_attack
+from reports.html.attack import gate_of, write_page
+from reports.html.attack.limits import limits_view
+from reports.html.attack.matrix import bug_matrix
+from reports.html.attack.view import attack_view, change_of
+from tests.reports.attacks import (
+    DEAD,
+    EQUAL,
+    EVIL,
+    FILES,
+    LOST,
+    SEEN,
+    control,
+    full_attack,
+    full_limits,
+    limit,
+    mutant,
+)
+from tests.reports.pages import Page, bare_report, plain, shown_text
+
+
+def folder_of(folder, attack=None, limits=None):
+    """A folder with the records that are given."""
+    if attack:
+        save_attack(attack, folder / "attack.json")
+    if limits:
+        save_limits(limits, folder / "limits.json")
+    return folder
+
+
+def page_of(folder, attack=None, limits=None):
+    return Page(write_page(folder_of(folder, attack, limits)).read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    return page_of(tmp_path_factory.mktemp("attack"), full_attack(), full_limits())
+
+
+def test_asks_for_nothing_and_every_link_leads_somewhere(page):
+    for _, a in page.elements:
+        assert a.get("href", "#").startswith(("#", "data:")) and "src" not in a
+    ids = [a["id"] for _, a in page.elements if "id" in a]
+    assert len(ids) == len(set(ids))
+    assert {a["href"][1:] for t, a in page.elements if t == "a"} <= set(ids)
+    assert {a["data-copy"] for t, a in page.elements if "data-copy" in a} <= set(ids)
+
+
+def test_hostile_names_stay_text(page):
+    assert not any("onclick" in a for _, a in page.elements)
+    assert shown_text(page).count(EVIL) == 2 + 1  # in both lists of bugs, and a false alarm's name
+    assert "shadeproof attack --out <x>" in page.text["code"]
+    assert "shadeproof limits <y>" in page.text["code"]
+
+
+def test_the_headline_is_the_score(page, tmp_path):
+    said = "The gate catches 57 of 58 injected bugs and passes 20 of 20 harmless rewrites"
+    assert page.text["h1"] == said and page.text["title"].startswith(said)
+    assert [a["class"] for t, a in page.elements if t == "h1"] == ["verdict fail"]
+    fine = page_of(tmp_path, full_attack(mutants=[mutant(), EQUAL, DEAD, control("c")]))
+    assert fine.text["h1"].startswith("The gate catches 1 of 1 injected bugs and passes 1 of 1")
+    assert [a["class"] for t, a in fine.elements if t == "h1"] == ["verdict pass"]
+
+
+def test_every_bug_is_counted_once_in_the_bar():
+    view = attack_view(full_attack())
+    assert {p.kind: p.count for p in view.parts} == {
+        "missed": 1, "caught": 57, "equal": 1, "dead": 1,
+    }  # fmt: skip
+
+
+def test_what_was_let_through_comes_first_with_its_diff_and_command(page):
+    words = shown_text(page)
+    assert 0 < words.index("Let through") < words.index("Limits of detection")
+    assert words.index("max(n_dot_v, 1e-4)") < words.index("Limits of detection")
+    assert "shadeproof attack --only lost-1" in words
+
+
+def test_nothing_is_said_of_what_was_not_let_through(tmp_path):
+    words = shown_text(page_of(tmp_path, full_attack(mutants=[mutant()])))
+    assert "Let through" not in words and "False alarms" not in words
+    assert "Equivalent:" not in words and "Drew nothing" not in words
+
+
+def test_a_false_alarm_fails_and_is_told(tmp_path):
+    cried = control("c-9", outcome="alarm", exit_code=1, by="silver went dark")
+    page = page_of(tmp_path, full_attack(mutants=[mutant(), control("c"), cried]))
+    assert page.text["h1"].endswith("passes 1 of 2 harmless rewrites")
+    assert [a["class"] for t, a in page.elements if t == "h1"] == ["verdict fail"]
+    assert "silver went dark" in page.text["section"] and "attack --only c-9" in page.text["code"]
+
+
+def test_arguments_and_what_saw_a_bug_stand_beside_it(page):
+    words = shown_text(page)
+    assert EQUAL.equivalent in words and SEEN in words and "invalid swizzle" in words
+
+
+def test_only_what_differs_is_marked():
+    change = change_of("max(n_dot_v, 1e-4)", "max(n_dot_l, 1e-4)")
+    assert [t for t, differs in change.before if differs] == ["n_dot_v"]
+    assert [t for t, differs in change.after if differs] == ["n_dot_l"]
+    for side, text in ((change.before, "max(n_dot_v, 1e-4)"), (change.after, "max(n_dot_l, 1e-4)")):
+        assert "".join(t for t, _ in side) == text
+    assert change_of("a * b", "a").after == [("a", False)]
+
+
+def test_the_matrix_counts_what_a_user_could_see():
+    bugs = [mutant("a", rule="constant"), mutant("b", rule="constant", outcome="survived"), DEAD,
+            EQUAL, control("c"), LOST]  # fmt: skip
+    found = bug_matrix(bugs, dict.fromkeys(FILES, "list"))
+    assert found.rules == ["comparison", "constant", "swizzle"]
+    cells = {
+        (f, r): c for f, _, line in found.lines for r, c in zip(found.rules, line, strict=True)
+    }
+    assert len(found.lines) == 3
+    both = cells[FILES[0], "constant"]
+    assert (both.text, both.state) == ("1/2", "over2")
+    assert both.label == f"{FILES[0]}, constant: 1 of 2 caught"
+    alone = cells[FILES[2], "comparison"]
+    assert (alone.text, alone.note, alone.state) == ("", "1 equivalent", "within1 undecided")
+    assert (cells[FILES[0], "swizzle"].state, cells[FILES[1], "swizzle"]) == ("reported", None)
+    caught = bug_matrix([mutant()], {FILES[0]: "list"}).lines[0][2][0]
+    assert (caught.text, caught.state) == ("1/1", "within2")
+
+
+def test_limits_have_units_signs_and_intervals():
+    def told(**fields):
+        (view,) = limits_view(full_limits(limits=[limit(**fields)])).limits
+        return plain(f"{view.what}: {view.smallest} ({view.ends}), {view.noiseless}, {view.by}")
+
+    assert told() == "roughness too large: +0.012 (0.0108 to 0.0144), +0.0096, the budget"
+    assert told(sign="-", unit="relative", limited_by="noise") == (
+        "roughness too small: −1.2 % (1.08 % to 1.44 %), −0.96 %, the reference's noise"
+    )
+    assert told(unit="degrees", high=None, low=0.01).startswith(
+        "roughness too large: +0.012° (0.01° or more)"
+    )
+    assert told(smallest=None, noiseless=None).startswith(
+        "roughness too large: not even +0.1 (), –"
+    )
+
+
+def test_the_whole_suite_stands_before_its_techniques(page):
+    view = limits_view(full_limits())
+    assert len(view.limits) == 13 and len(view.single) == 24
+    assert {v.technique for v in view.limits} == {""}
+    assert {v.technique for v in view.single} == {"paper", "sampled@64"}
+    alone = limits_view(full_limits(limits=[limit(technique="paper")]))
+    assert [v.technique for v in alone.limits] == ["paper"] and not alone.single
+
+
+def test_a_chart_for_each_parameter_shows_how_often_it_is_caught():
+    charts = {c.title: c for c in limits_view(full_limits()).charts}
+    assert list(charts)[:3] == ["roughness", "F0", "gain"] and len(charts) == 7
+    chart = charts["roughness"]
+    assert "whole suite, too large" in chart.header and "paper, too small" in chart.header
+    column = chart.header.index("whole suite, too large")
+    row = next(r for r in chart.rows if r[0] == "0.012")
+    assert row[column] == "95"
+
+
+def test_false_alarms_are_told_with_their_bound(tmp_path):
+    assert plain(limits_view(full_limits()).sentence) == (
+        "No false alarms in 600 judgements of a right renderer "
+        "(95 % interval: up to 1.22 % of them)"
+    )
+    cried = FalseAlarms(what="x", sets=300, alarms=1, inconclusive=0, low=0.0001, high=0.018)
+    page = page_of(tmp_path, limits=full_limits(false_alarms=[cried]))
+    assert plain(page.text["h1"]).startswith("1 false alarm in 300 judgements")
+    assert [a["class"] for t, a in page.elements if t == "h1"] == ["verdict fail"]
+
+
+def test_no_figure_reads_nan(page):
+    assert not re.search(r"\b(nan|inf|None)\b", shown_text(page))
+
+
+def test_records_without_content_are_a_page(tmp_path):
+    bare = page_of(tmp_path, full_attack(mutants=[]), full_limits(limits=[], false_alarms=[]))
+    assert bare.text["h1"] == "No bug was tried on the gate"
+    assert "False alarms were not measured" not in shown_text(bare)
+    (tmp_path / "attack.json").unlink()
+    assert "False alarms were not measured" in page_of(tmp_path).text["h1"]
+
+
+def test_a_damaged_record_is_told_in_a_line_beside_the_sound_one(tmp_path):
+    assert gate_of(tmp_path) is None
+    folder_of(tmp_path, limits=full_limits())
+    (tmp_path / "attack.json").write_text("{")
+    page = page_of(tmp_path)
+    assert "is no attack.json of schema 1" in shown_text(page)
+    assert "Limits of detection" in shown_text(page)
+    assert [a["class"] for t, a in page.elements if t == "h1"] == ["verdict fail"]
+
+
+def test_the_report_shows_the_attack_that_lies_beside_it(tmp_path):
+    heading = "What the gate can and cannot see"
+    assert heading not in shown_text(bare_report(tmp_path))
+    folder_of(tmp_path, full_attack(), full_limits())
+    shown = bare_report(tmp_path)
+    assert heading in shown_text(shown) and "catches 57 of 58" in shown_text(shown)
+    ids = [a["id"] for _, a in shown.elements if "id" in a]
+    assert len(ids) == len(set(ids)) and "gate" in ids
+    (tmp_path / "attack.json").write_text('{"schema_version": 7}')
+    assert "is no attack.json of schema 1" in shown_text(bare_report(tmp_path))
+
+
+def test_same_records_make_the_same_bytes(tmp_path):
+    folder_of(tmp_path, full_attack(), full_limits())
+    assert write_page(tmp_path).read_bytes() == write_page(tmp_path).read_bytes()
