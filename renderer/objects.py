@@ -1,5 +1,6 @@
 """Objects on the GPU: where they stand, how they are drawn, and which pixels are theirs."""
 
+import math
 from functools import cache
 from typing import Any
 
@@ -27,6 +28,8 @@ def placed(obj: Object, camera: View) -> dict[str, Any]:
     """The uniforms that place an object, as column-major float32 bytes."""
     matrix = placement(obj)
     normals = np.linalg.inv(matrix[:3, :3])  # transposed twice: inverse transpose, column-major
+    # Near 1, whatever the object's size: squares of 1e20 leave float32. Powers of 2 lose no bits.
+    normals *= 2.0 ** -math.frexp(np.abs(normals).max())[1]
     return {
         "to_clip": (camera.to_clip @ matrix).T.astype(np.float32).tobytes(),
         "normals_to_world": normals.astype(np.float32).tobytes(),

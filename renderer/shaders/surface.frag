@@ -5,5 +5,8 @@ uniform float number; // the object's, from 1
 layout(location = 0) out vec4 surface;
 
 void main() {
-    surface = vec4(normalize(world_normal), number);
+    // Between vertices whose normals are opposite they cancel out. What has no normal faces nowhere
+    // and reflects nothing.
+    float length2 = dot(world_normal, world_normal);
+    surface = vec4(length2 > 0.0 ? world_normal * inversesqrt(length2) : vec3(0.0), number);
 }
