@@ -83,6 +83,9 @@ class Mixture(mi.BSDF):
             "alpha": mi.Float(float(props["alpha"])),
             "weight": mi.Float(weight),
             "weight_g": mi.Float(weight_g),
+            # In double precision: 1 - w of a float32 near 1 is up to 20 % off at 1 - 1e-7.
+            "rest": mi.Float(1 - weight),
+            "rest_g": mi.Float(1 - weight_g),
         }
         if self.fresnel == "schlick":
             self.parameters["f0"] = mi.Color3f(list(props["f0"]))
@@ -124,7 +127,7 @@ class Mixture(mi.BSDF):
         if glossy:
             ggx = D_ggx(h, self.alpha) if self.has["ggx"] else 0
             beckmann = D_beckmann(h, self.alpha) if self.has["beckmann"] else 0
-            D = self.weight * ggx + (1 - self.weight) * beckmann
+            D = self.weight * ggx + self.rest * beckmann
             f += F * (D * self._masking_over_cosines(wi, wo, h, wi_h))
             # D G1(wi) / (4 n.wi), by Heitz 2014, eq. 17 and the Jacobian 1 / (4 wi.h)
             if self.has["ggx"]:
@@ -136,7 +139,7 @@ class Mixture(mi.BSDF):
             if self.layers:
                 f_cos += self._from_below(si, wo, active)
             else:
-                f_cos += (1 - F) * self.albedo * (dr.inv_pi * wo.z)
+                f_cos += self._transmitted(wi_h) * self.albedo * (dr.inv_pi * wo.z)
             density += share_diffuse * wo.z * dr.inv_pi
         return f_cos & active, dr.select(active, density, 0)
 
@@ -201,13 +204,21 @@ class Mixture(mi.BSDF):
             F += self.metallic * F_conductor(self.metal_eta, self.metal_k, cos_theta)
         return F
 
+    def _transmitted(self, cos_theta):
+        """1 - F; Schlick's without the cancellation where F nears 1."""
+        if self.fresnel == "schlick":
+            c = dr.clip(cos_theta, 0, 1)
+            m = 1 - c
+            return (1 - self.f0) * (c * (1 + m * (1 + m * (1 + m * (1 + m)))))
+        return 1 - self._reflected(cos_theta)
+
     def _from_below(self, si, wo, active):
         """Diffuse light through the rough interface, f cos(theta_o)."""
         context = mi.BSDFContext()
         context.type_mask = DIFFUSE
         f_cos = mi.Color3f(0)
         for name, layer in self.layers.items():
-            share = self.weight if name == "ggx" else 1 - self.weight
+            share = self.weight if name == "ggx" else self.rest
             f_cos += share * layer.eval(context, si, wo, active)
         return f_cos * (1 - self.metallic)
 
@@ -222,7 +233,7 @@ class Mixture(mi.BSDF):
         if self.has["masking_beckmann"]:
             low, high = dr.minimum(wi.z, wo.z), dr.maximum(wi.z, wo.z)
             open_share = dr.minimum(1 / (4 * low), h.z / (2 * wi_h))
-            total += (1 - self.weight_g) * open_share / high
+            total += self.rest_g * open_share / high
         return total
 
     def _projected_area(self, w):
@@ -231,7 +242,7 @@ class Mixture(mi.BSDF):
         if self.has["masking_ggx"]:
             area += self.weight_g * projected_area_ggx(w, self.alpha)
         if self.has["masking_beckmann"]:
-            area += (1 - self.weight_g) * projected_area_beckmann(w, self.alpha)
+            area += self.rest_g * projected_area_beckmann(w, self.alpha)
         return area
 
 

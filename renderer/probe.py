@@ -2,6 +2,7 @@
 
 import math
 
+import moderngl
 import numpy as np
 
 from renderer.context import context
@@ -21,6 +22,7 @@ def probe(
     defines: frozenset[str] = frozenset(),
     uniforms: dict | None = None,
     declarations: str = "",
+    maps: dict[str, moderngl.Texture] | None = None,
 ) -> np.ndarray:
     """Evaluate a GLSL expression of type vec4 for every row of the inputs.
 
@@ -29,6 +31,7 @@ def probe(
         inputs: (n,) or (n, 1..4) arrays, given to the shader as float32.
         includes: shader files that the expression needs.
         declarations: further GLSL before main, such as uniforms.
+        maps: textures that the functions read, by the names of their samplers.
 
     Returns:
         (n, 4) float32.
@@ -60,6 +63,9 @@ def probe(
     )
     set_uniforms(shader, **{f"input_{name}": unit for unit, name in enumerate(inputs)})
     set_uniforms(shader, **(uniforms or {}))
+    for unit, (name, texture) in enumerate((maps or {}).items(), len(inputs)):
+        texture.use(unit)
+        set_uniforms(shader, **{name: unit})
     target = gl.texture(size, 4, dtype="f4")
     framebuffer = gl.framebuffer([target])
     gl.enable_only(0)

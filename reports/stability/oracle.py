@@ -122,12 +122,65 @@ def oracle(
     )
 
 
-def density(h: np.ndarray, wo_h: np.ndarray, D: np.ndarray) -> np.ndarray:
-    """Of wi mirrored about a facet drawn by D n.h, per steradian. Walter et al. 2007, eq. 14."""
-    return D * h[:, 2] / (4 * wo_h)
-
-
 def Lambda(w: np.ndarray, alpha: float, share: float) -> np.ndarray:
     """Smith's Lambda of GGX (by its share) and Beckmann mixed, (n,); 1 / G1 = 1 + Lambda."""
     tangent = np.hypot(w[:, 0], w[:, 1], dtype=float) / w[:, 2]
     return share * lambda_ggx(tangent, alpha) + (1 - share) * lambda_beckmann(tangent, alpha)
+
+
+def beckmann_over_ggx(h: np.ndarray, alpha: Alpha) -> np.ndarray:
+    """D_beckmann / D_ggx, (n,); 0 at the horizon."""
+    with np.errstate(divide="ignore"):
+        t = (h[:, 0].astype(float) ** 2 + h[:, 1].astype(float) ** 2) / (alpha * h[:, 2]) ** 2
+    return np.exp(-t) * np.square(1 + np.minimum(t, 1e100))
+
+
+def sampled_ggx(u: np.ndarray, alpha: Alpha) -> np.ndarray:
+    """A half vector, (n, 3). Walter et al. 2007, eq. 35 and 36."""
+    return _polar(alpha * np.sqrt(u[:, 0] / (1 - u[:, 0].astype(float))), u[:, 1])
+
+
+def sampled_beckmann(u: np.ndarray, alpha: Alpha) -> np.ndarray:
+    """A half vector, (n, 3). Walter et al. 2007, eq. 28 and 29."""
+    return _polar(alpha * np.sqrt(-np.log1p(-u[:, 0].astype(float))), u[:, 1])
+
+
+def sampled_cosine(u: np.ndarray) -> np.ndarray:
+    """A direction, (n, 3), by Malley's method; Pharr et al. 2016, 13.6.3."""
+    return _polar(np.sqrt(u[:, 0] / (1 - u[:, 0].astype(float))), u[:, 1])
+
+
+def _polar(tangent: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    cosine, phi = 1 / np.sqrt(1 + tangent**2), 2 * np.pi * turn.astype(float)
+    slopes = [tangent * np.cos(phi), tangent * np.sin(phi), 1 + 0 * phi]
+    return np.stack(slopes, axis=1) * cosine[:, None]
+
+
+def sample_density(wi: np.ndarray, wo: np.ndarray, alpha: Alpha, count: np.ndarray) -> np.ndarray:
+    """Of `count` (..., 3) samples of GGX, Beckmann and cosine together, per steradian, (n,)."""
+    h, wo_h = half_vector(wi, wo)
+    share = np.moveaxis(np.asarray(count, float), -1, 0)
+    facets = share[0] * D_ggx(h, alpha) + share[1] * D_beckmann(h, alpha)
+    # Walter et al. 2007, eq. 14
+    return facets * h[:, 2] / (4 * wo_h) + share[2] * wi[:, 2].astype(float) / np.pi
+
+
+def tangent(n: np.ndarray) -> np.ndarray:
+    """The first axis of a frame about n, (n, 3). Duff et al. 2017, listing 3."""
+    x, y, z = n.astype(float).T
+    s = np.where(z >= 0, 1.0, -1.0)
+    return np.stack([1 - s * x * x / (s + z), -s * x * y / (s + z), -s * x], axis=1)
+
+
+def latlong(world: np.ndarray) -> np.ndarray:
+    """u and v of a direction, (n, 2): azimuth atan2(x, y) / 2 pi, polar angle / pi."""
+    x, y, z = world.astype(float).T
+    return np.stack([np.arctan2(x, y) / (2 * np.pi), np.arctan2(np.hypot(x, y), z) / np.pi], 1)
+
+
+def hammersley(index: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """Point i of n, (n, 2): (i + .5) / n, and i's binary digits mirrored at the point."""
+    i, mirrored = index.astype(np.uint64), np.zeros(len(index))
+    for bit in range(32):
+        mirrored += ((i >> np.uint64(bit)) & np.uint64(1)) * 0.5 ** (bit + 1)
+    return np.stack([(index.astype(float) + 0.5) / count, mirrored], axis=1)

@@ -1,0 +1,1 @@
+"""The GLSL that users run, over every hard input: stability.json."""

@@ -1,0 +1,111 @@
+"""From figures over a grid to a map with its worst point and the command that reproduces it."""
+
+import shlex
+from collections.abc import Callable
+
+import numpy as np
+
+from reports.stability.agreement import FLOOR
+from reports.stability.results import Axis, Map, Worst
+
+SCALE = "|difference| over max(|f|, 1e-4 of the largest in the cell)"
+
+Shown = dict[str, object]  # inputs by name, as a command takes them
+
+
+def difference(ours: np.ndarray, exact: np.ndarray, cells: tuple[int, ...]) -> np.ndarray:
+    """|ours - exact| over max(|exact|, 1e-4 of the peak), the worst of all parts, (*cells, k).
+
+    The peak is the largest |exact| in a cell. What is no number counts as infinite.
+
+    Args:
+        ours, exact: (n, parts), n rows over cells of k rows each.
+    """
+    shape = (*cells, -1, exact.shape[-1])
+    ours, exact = ours.reshape(shape).astype(float), exact.reshape(shape).astype(float)
+    size = np.abs(exact)
+    peak = size.max(axis=-2, keepdims=True)
+    with np.errstate(all="ignore"):
+        off = np.abs(ours - exact) / np.maximum(np.maximum(size, FLOOR * peak), 1e-300)
+    off[~np.isfinite(ours)] = np.inf
+    return off.max(axis=-1)
+
+
+def make_map(
+    function: str,
+    invariant: str,
+    figures: np.ndarray,
+    axes: tuple[Axis, Axis, Axis],
+    reproduce: Callable[[tuple[int, int, int, int]], list[Shown]],
+    *,
+    why: str,
+    unit: str,
+    masking: str = "",
+    limit: float | None = None,
+    at_least: float | None = None,
+    judged: dict[str, tuple[float, float]] | None = None,
+) -> Map:
+    """A map of the worst figure in each cell.
+
+    Args:
+        figures: slices x rows x columns x k: of k inputs tried in each cell. With `at_least` the
+            worst is the one furthest from the middle of the allowed range.
+        reproduce: the inputs behind one of the figures, for `shadeproof stability --at`; of more
+            than one evaluation where a figure compares several.
+    """
+    middle = 0.0 if at_least is None else (at_least + limit) / 2
+    badness = np.where(np.isnan(figures), np.inf, np.abs(figures - middle))
+    at = badness.argmax(axis=-1)
+    values = np.take_along_axis(figures, at[..., None], axis=-1)[..., 0]
+    inside = np.ones(values.shape, bool)
+    for dimension, axis in enumerate(axes):
+        if bounds := (judged or {}).get(axis.name):
+            found = np.asarray(axis.values)
+            kept = (found >= bounds[0] * (1 - 1e-6)) & (found <= bounds[1] * (1 + 1e-6))
+            inside &= np.expand_dims(kept, [d for d in range(3) if d != dimension])
+
+    def worst(part: np.ndarray) -> Worst | None:
+        if not part.any():
+            return None
+        bad = np.where(part, badness.max(axis=-1), -1)
+        cell = np.unravel_index(bad.argmax(), bad.shape)
+        return _worst(function, float(values[cell]), reproduce((*map(int, cell), int(at[cell]))))
+
+    found, passed = worst(inside), True
+    if limit is not None:
+        low = -np.inf if at_least is None else at_least
+        passed = bool(((values[inside] >= low) & (values[inside] <= limit)).all())
+    return Map(
+        function=function,
+        invariant=invariant,
+        masking=masking,
+        why=why,
+        unit=unit,
+        axes=axes,
+        values=values.tolist(),
+        limit=limit,
+        at_least=at_least,
+        judged=judged or {},
+        worst=found,
+        beyond=worst(~inside),
+        passed=passed,
+    )
+
+
+def _worst(function: str, value: float, evaluations: list[Shown]) -> Worst:
+    """The worst point; its inputs are those of the first evaluation."""
+    told = [{k: as_text(v) for k, v in inputs.items()} for inputs in evaluations]
+    return Worst(value=value, inputs=told[0], command=command(function, *told))
+
+
+def command(function: str, *evaluations: dict[str, str]) -> str:
+    """What reproduces evaluations of a function at inputs given as text."""
+    points = (" ".join([function, *(f"{k}={v}" for k, v in e.items())]) for e in evaluations)
+    return " ".join(["shadeproof stability", *(f"--at {shlex.quote(p)}" for p in points)])
+
+
+def as_text(value: object) -> str:
+    """An input as a command takes it: numbers with all digits of a float32, parted by commas."""
+    if isinstance(value, str):
+        return value
+    return ",".join(f"{float(x):.9g}" for x in np.atleast_1d(value))
