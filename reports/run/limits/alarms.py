@@ -1,0 +1,70 @@
+"""False alarms: pictures that are right, judged on sets of batches."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from renderer.draw import Renderer
+from renderer.features import Technique, technique
+from reports.attack.detection import CAUGHT, INCONCLUSIVE, share_interval
+from reports.attack.limits import FalseAlarms
+from reports.progress import reporting
+from reports.run.limits.judging import VERDICTS, Gate
+from scenes.frame import Frame
+
+FINER = 2  # pixels a pixel and axis
+
+
+def _finer(how: Technique) -> Technique:
+    """The same with more pixels; those that sample take as many directions in each."""
+    return replace(how, supersample=FINER, samples=how.samples * FINER**2)
+
+
+def _halves(frame: Frame) -> Frame:
+    """As a half-float target would hold it."""
+    return replace(frame, rgb=frame.rgb.astype(np.float16).astype(np.float32))
+
+
+HARMLESS: dict[str, tuple[Callable[[Technique], Technique], Callable[[Frame], Frame]]] = {
+    "the renderer as it is": (lambda how: how, lambda frame: frame),
+    f"drawn with {FINER}x{FINER} pixels a pixel": (_finer, lambda frame: frame),
+    "kept as half floats": (lambda how: how, _halves),
+}
+
+
+def false_alarms(gate: Gate, orders: np.ndarray) -> list[FalseAlarms]:
+    """How often the gate fails pictures that are right.
+
+    Args:
+        orders: (sets, M) the batches of each set.
+    """
+    outcomes = {what: np.zeros(len(orders), int) for what in HARMLESS}
+    frames = [{w: _drawn(gate, n, w) for w in HARMLESS} for n in range(len(gate.pools))]
+    with reporting(len(orders)) as report:
+        for number, order in enumerate(orders):
+            report.step("false alarms: a set of batches")
+            for pool, drawn in enumerate(frames):
+                for what, own in drawn.items():
+                    said = [VERDICTS[row.verdict] for row in gate.rows(pool, own, order)]
+                    outcomes[what][number] = max(outcomes[what][number], *said)
+    return [_told(what, found) for what, found in outcomes.items()]
+
+
+def _drawn(gate: Gate, number: int, what: str) -> dict[str, Frame]:
+    """The pictures of a case by technique."""
+    how, kept = HARMLESS[what]
+    entry = gate.pools[number].entry
+    return {
+        label: kept(Renderer(how(technique(label)), repeats=0).render(entry.case))
+        for label in entry.techniques
+    }
+
+
+def _told(what: str, outcomes: np.ndarray) -> FalseAlarms:
+    alarms = int((outcomes == CAUGHT).sum())
+    low, high = share_interval(alarms, len(outcomes))
+    unsure = int((outcomes == INCONCLUSIVE).sum())
+    return FalseAlarms(
+        what=what, sets=len(outcomes), alarms=alarms, inconclusive=unsure, low=low, high=high
+    )
