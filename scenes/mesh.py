@@ -140,15 +140,21 @@ def _plane() -> Mesh:
 
 
 def placement(obj: Object) -> np.ndarray:
-    """The (4, 4) float64 matrix that takes the object's mesh to world space."""
+    """The (4, 4) float64 matrix that takes the object's mesh to world space.
+
+    Raises:
+        InputError: a height is asked of a flat mesh, or the object ends up further than FURTHEST
+            from the origin, or smaller or thinner by as much than float32 can square.
+    """
     matrix = trimesh.transformations.euler_matrix(*np.radians(obj.rotate), axes="sxyz")
     scale = np.broadcast_to(np.asarray(obj.scale, float), 3)
     position = np.asarray(obj.position, float)
     if obj.height is None:
+    low, high = _extent(obj.mesh, tuple(obj.rotate), tuple(scale.tolist()))
         matrix[:3, :3] *= scale
         matrix[:3, 3] = position
         return matrix
-    low, high = _extent(obj.mesh, tuple(obj.rotate), tuple(scale.tolist()))
+        _within_reach(obj, scale, low + position, high + position)
     if high[2] - low[2] <= 0:
         raise InputError(obj.mesh, "height", "the mesh is flat", "set 'scale' instead of 'height'")
     factor = obj.height / (high[2] - low[2])
@@ -156,9 +162,27 @@ def placement(obj: Object) -> np.ndarray:
     matrix[:3, :3] *= scale * factor
     matrix[:3, 3] = position - factor * base
     return matrix
+    ends = (matrix[:3, 3] + factor * end for end in (low, high))
+    _within_reach(obj, scale * factor, *ends)
 
 
 @cache  # asked for many times a picture, and it reads every vertex
+def _within_reach(obj: Object, scales: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
+    """Refuse an object whose squares of coordinates or areas would leave float32."""
+    fits = (
+        np.abs([low, high]).max() <= FURTHEST
+        and (high - low).max() >= 1 / FURTHEST
+        and scales.max() <= FURTHEST * scales.min()
+    )
+    if not fits:
+        size = " x ".join(f"{s:.3g}" for s in high - low)
+        problem = f"the object '{obj.name}' is {size} in size, {np.abs([low, high]).max():.3g} far"
+        remedy = (
+            f"keep sizes above {1 / FURTHEST:g}, and coordinates and stretch within {FURTHEST:g}"
+        )
+        raise InputError(obj.mesh, "scale", problem, remedy)
+
+
 def _extent(
     mesh: str, rotate: tuple[float, ...], scale: tuple[float, ...]
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -84,6 +84,27 @@ def test_a_flat_mesh_takes_no_height(refused):
     refused(lambda: placement(thing("plane", height=1.0)), "plane", "height", "set 'scale'")
 
 
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"scale": 1e-16},
+        {"scale": 2e15},
+        {"scale": (1.0, 1e-16, 1.0)},
+        {"position": (0.0, 2e15, 0.0)},
+        {"height": 1e-16},
+        {"height": 1e300},
+    ],
+    ids=str,
+)
+def test_an_object_whose_squares_leave_float32_is_refused(refused, fields):
+    refused(lambda: placement(thing("sphere", **fields)), "sphere", "scale", "thing", "keep")
+
+
+@pytest.mark.parametrize("scale", [1e-15, 1e-6, 1e6, 9e14])
+def test_objects_of_any_other_size_are_placed(scale):
+    assert np.isfinite(placement(thing("sphere", scale=scale))).all()
+
+
 def test_closed_meshes_are_recognised(tmp_path):
     box = trimesh.creation.box()
     box.export(tmp_path / "box.ply")
