@@ -13,6 +13,7 @@ FORMATS = (".exr", ".hdr")
 DECODERS = {".exr": "openexr", ".hdr": "hdr"}  # as OpenImageIO calls what must be inside
 GREY = ("Y", "L", "LUMINANCE")
 LARGEST = 16384  # texels a side that every OpenGL 4 driver takes
+BRIGHTEST = 1e15  # sums of squared radiance over a map stay inside float32
 # TIFF's orientations that are mere flips: steps over rows and columns.
 FLIPS = {1: (1, 1), 2: (1, -1), 3: (-1, -1), 4: (-1, 1)}
 
@@ -40,19 +41,22 @@ def load_environment(path: Path) -> RadianceMap:
     A chromaticities header is ignored: both sides take the numbers as linear sRGB.
 
     Raises:
-        InputError: the file is missing, unreadable, smaller than 2x1, or holds NaN or Inf.
+        InputError: the file is missing, unreadable, smaller than 2x1, or holds NaN, Inf or what is
+            brighter than BRIGHTEST.
     """
     if path.suffix.lower() not in FORMATS:
         raise InputError(path, "environment", "unknown format", "use .exr or .hdr")
     pixels = read_pixels(path, "environment")
     if pixels.shape[1] < 2:
         raise InputError(path, "environment", "is 1 texel wide", "give at least 2x1 texels")
-    if not (finite := np.isfinite(pixels)).all():
-        row, column = np.argwhere(~finite.all(axis=2))[0]
-        problem = (
-            f"{int((~finite).sum())} values are NaN or Inf, first at row {row}, column {column}"
-        )
-        raise InputError(path, "environment", problem, "repair or re-export the map")
+    for what, bad in (
+        ("NaN or Inf", ~np.isfinite(pixels)),
+        (f"brighter than {BRIGHTEST:g}", pixels > BRIGHTEST),
+    ):
+        if bad.any():
+            row, column = np.argwhere(bad.any(axis=2))[0]
+            problem = f"{int(bad.sum())} values are {what}, first at row {row}, column {column}"
+            raise InputError(path, "environment", problem, "repair or re-export the map")
     negatives = int((pixels < 0).sum())
     return RadianceMap(_three_rows(np.maximum(pixels, 0)), negatives)
 

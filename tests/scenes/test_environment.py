@@ -134,8 +134,8 @@ def test_fewer_than_three_rows_become_three_that_mean_the_same(write_image, heig
     np.testing.assert_array_equal(loaded, [few[0], few.mean(axis=0), few[-1]])
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_what_is_not_finite_is_refused_with_its_place(write_image, refused, value):
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 2e15, 3.4e38])
+def test_what_cannot_be_summed_is_refused_with_its_place(write_image, refused, value):
     bad = MAP.copy()
     bad[3, 4, 1] = value
     path = write_image("bad.exr", bad)
