@@ -6,9 +6,10 @@ from typing import Any
 
 import moderngl
 import numpy as np
+from trimesh.transformations import translation_matrix
 
 from renderer.context import context
-from renderer.geometry import buffers
+from renderer.geometry import buffers, middle
 from renderer.program import program, set_uniforms
 from renderer.targets import Rectangle, release
 from renderer.view import View, inside, view
@@ -27,11 +28,12 @@ def vertex_array(mesh: str, shader: moderngl.Program) -> moderngl.VertexArray:
 def placed(obj: Object, camera: View) -> dict[str, Any]:
     """The uniforms that place an object, as column-major float32 bytes."""
     matrix = placement(obj)
+    centred = matrix @ translation_matrix(middle(obj.mesh))
     normals = np.linalg.inv(matrix[:3, :3])  # transposed twice: inverse transpose, column-major
     # Near 1, whatever the object's size: squares of 1e20 leave float32. Powers of 2 lose no bits.
     normals *= 2.0 ** -math.frexp(np.abs(normals).max())[1]
     return {
-        "to_clip": (camera.to_clip @ matrix).T.astype(np.float32).tobytes(),
+        "to_clip": (camera.to_clip @ centred).T.astype(np.float32).tobytes(),
         "normals_to_world": normals.astype(np.float32).tobytes(),
     }
 
