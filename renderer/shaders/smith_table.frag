@@ -1,6 +1,7 @@
 #version 330
 #include "hammersley.glsl"
 #include "sample_ggx.glsl"
+#include "beckmann_over_ggx.glsl"
 #include "masking_smith_mixture.glsl"
 in vec2 uv; // n.v
 uniform float alpha;
@@ -18,9 +19,8 @@ void main() {
         float wo_h = dot(wo, h);
         if (wi.z <= 0.0 || wo_h <= 0.0) continue;
         float m = 1.0 - wo_h, fc = m * m * m * m * m;
-        // D / p: D_ggx cancels against the density D_ggx h.z / (4 wo.h); D_beckmann / D_ggx.
-        float t = dot(h.xy, h.xy) / (alpha * alpha * h.z * h.z);
-        float D = weight_d.x + weight_d.y * exp(-t) * (1.0 + t) * (1.0 + t);
+        // D over D_ggx, which cancels against the density D_ggx h.z / (4 wo.h).
+        float D = weight_d.x + weight_d.y * beckmann_over_ggx(h, alpha);
         float G = G_smith_mixture(wi, wo, alpha, weight_g);
         scale_bias.xy += vec2(1.0 - fc, fc) * (D * G * wo_h / (h.z * wo.z));
     }

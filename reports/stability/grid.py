@@ -18,11 +18,21 @@ def axis(name: str, values: np.ndarray | list[float], log: bool = False) -> Axis
 
 ALPHA, COSINE = axis("alpha", ALPHAS, log=True), axis("n.v", COSINES, log=True)
 WEIGHT = axis("weight", WEIGHTS)
+ONE = axis("", [0.0])  # of a map without slices, or without rows
 
 
-def unit(cosine: np.ndarray, azimuth: np.ndarray) -> np.ndarray:
-    """Directions (..., 3) by their cosine to n and their azimuth in radians."""
-    sine = np.sqrt(np.maximum(1 - cosine**2, 0))
+def spread(rows: np.ndarray, columns: np.ndarray, per_cell: int) -> tuple[np.ndarray, np.ndarray]:
+    """The values of two axes at `per_cell` inputs in each cell, both (rows x columns x k,)."""
+    shape = (len(rows), len(columns), per_cell)
+    down = np.broadcast_to(np.reshape(rows, (-1, 1, 1)), shape)
+    across = np.broadcast_to(np.reshape(columns, (1, -1, 1)), shape)
+    return down.ravel(), across.ravel()
+
+
+def unit(cosine: np.ndarray, azimuth: np.ndarray, sine: np.ndarray | None = None) -> np.ndarray:
+    """Directions (..., 3) by their cosine to n and azimuth in radians; near n give the sine too."""
+    if sine is None:
+        sine = np.sqrt(np.maximum(1 - cosine**2, 0))
     parts = [sine * np.cos(azimuth), sine * np.sin(azimuth), cosine + 0 * azimuth]
     return np.stack(parts, axis=-1)
 
@@ -43,10 +53,8 @@ def pairs(
         alpha (n,), wi and wo (n, 3), all float32, n = len(cosines) x len(alphas) x per_cell.
     """
     rng = np.random.default_rng(seed)
-    shape = (len(cosines), len(alphas), per_cell)
-    count = int(np.prod(shape))
-    cos_o = np.broadcast_to(np.asarray(cosines)[:, None, None], shape).ravel()
-    alpha = np.broadcast_to(np.asarray(alphas)[None, :, None], shape).ravel()
+    cos_o, alpha = spread(cosines, alphas, per_cell)
+    count = alpha.size
     turn_o = rng.uniform(0, 2 * np.pi, count)
     wo = unit(cos_o, turn_o)
 
@@ -61,8 +69,7 @@ def pairs(
     anywhere = unit(np.where(which == 3, np.maximum(cos_o * cos_i, 1e-6), cos_i), turn_i)
 
     tilt = np.minimum(alpha * 10 ** rng.uniform(-2, 0.7, count), 1.5)
-    h = unit(np.cos(tilt), rng.uniform(0, 2 * np.pi, count))
-    h[:, :2] *= (np.sin(tilt) / np.maximum(np.hypot(h[:, 0], h[:, 1]), 1e-300))[:, None]
+    h = unit(np.cos(tilt), rng.uniform(0, 2 * np.pi, count), np.sin(tilt))
     mirrored = 2 * (wo * h).sum(axis=1, keepdims=True) * h - wo
     near = (which % 2 == 0) & (mirrored[:, 2] > 0)
     wi = np.where(near[:, None], mirrored, anywhere)

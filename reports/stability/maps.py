@@ -13,18 +13,27 @@ SCALE = "|difference| over max(|f|, 1e-4 of the largest in the cell)"
 Shown = dict[str, object]  # inputs by name, as a command takes them
 
 
-def difference(ours: np.ndarray, exact: np.ndarray, cells: tuple[int, ...]) -> np.ndarray:
+def difference(
+    ours: np.ndarray,
+    exact: np.ndarray,
+    cells: tuple[int, ...],
+    peak: np.ndarray | float | None = None,
+) -> np.ndarray:
     """|ours - exact| over max(|exact|, 1e-4 of the peak), the worst of all parts, (*cells, k).
 
-    The peak is the largest |exact| in a cell. What is no number counts as infinite.
+    What is no number counts as infinite.
 
     Args:
         ours, exact: (n, parts), n rows over cells of k rows each.
+        peak: of the lobe, (n,) or one; by default the largest |exact| in a cell.
     """
     shape = (*cells, -1, exact.shape[-1])
     ours, exact = ours.reshape(shape).astype(float), exact.reshape(shape).astype(float)
     size = np.abs(exact)
-    peak = size.max(axis=-2, keepdims=True)
+    if peak is None:
+        peak = size.max(axis=-2, keepdims=True)
+    elif np.ndim(peak):
+        peak = np.reshape(peak, (*shape[:-1], 1))
     with np.errstate(all="ignore"):
         off = np.abs(ours - exact) / np.maximum(np.maximum(size, FLOOR * peak), 1e-300)
     off[~np.isfinite(ours)] = np.inf
@@ -82,7 +91,7 @@ def make_map(
         why=why,
         unit=unit,
         axes=axes,
-        values=values.tolist(),
+        values=_rounded(values).tolist(),
         limit=limit,
         at_least=at_least,
         judged=judged or {},
@@ -90,6 +99,11 @@ def make_map(
         beyond=worst(~inside),
         passed=passed,
     )
+
+
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """To three digits, as maps are read; the worst point keeps all of its own."""
+    return np.vectorize(lambda x: float(f"{x:.3g}"))(values)
 
 
 def _worst(function: str, value: float, evaluations: list[Shown]) -> Worst:

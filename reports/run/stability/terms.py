@@ -1,0 +1,205 @@
+"""The BRDF's terms one by one, D, G, F and the samples, against double precision."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from reports.run.stability.sides import exact, shader
+from reports.stability.agreement import TOLERANCE
+from reports.stability.functions import Inputs
+from reports.stability.grid import (
+    ALPHA,
+    ALPHAS,
+    COSINE,
+    COSINES,
+    JUDGED,
+    ONE,
+    WEIGHT,
+    WEIGHTS,
+    axis,
+    pairs,
+    spread,
+    unit,
+)
+from reports.stability.maps import SCALE, difference, make_map
+from reports.stability.results import Axis, Map
+
+AROUND = 32  # azimuths in a cell
+TILT = axis("tan(h)/alpha", 10 ** np.linspace(-2, 4, 13), log=True)
+LAST = 1 - 2.0**-24  # the largest float32 below 1
+U = axis("u.x", [0, 1e-7, 1e-4, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999, 1 - 1e-6, LAST])
+F0 = axis("f0", [-0.05, 0, 0.04, 0.5, 0.95, 1, 1.02])
+ANGLE = axis("cosine", [0, *10 ** np.linspace(-6, 0, 25)], log=True)
+SHARES = np.stack([WEIGHTS, 1 - WEIGHTS], axis=1)
+OF_ALPHA = {"alpha": JUDGED["alpha"]}
+Measure = Callable[[np.ndarray, np.ndarray, Inputs], np.ndarray]
+
+
+def maps() -> Iterator[Map]:
+    """Every term."""
+    yield from ndfs()
+    yield from maskings()
+    yield fresnel()
+    yield density()
+    yield from samplers()
+
+
+def term(
+    name: str,
+    axes: tuple[Axis, Axis, Axis],
+    inputs: Inputs,
+    by_slice: Inputs | None = None,
+    measure: Measure | None = None,
+    masking: str = "",
+    **said: Any,
+) -> Map:
+    """One function against float64.
+
+    Args:
+        inputs: (n, parts), n rows over the cells of a slice.
+        by_slice: (slices, parts), what holds for all of a slice.
+        measure: the figures of what the shader and float64 return and of the inputs, (n,) or
+            (rows, columns, k); by default their difference, with the cell's own peak.
+    """
+    cells = (len(axes[1].values), len(axes[2].values))
+    by_slice = by_slice or {}
+    figures = []
+    for k in range(len(axes[0].values)):
+        given = inputs | {n: v[k] for n, v in by_slice.items()}
+        sides = [side(name, given, masking or "paper") for side in (shader, exact)]
+        found = measure(*sides, given) if measure else difference(*sides, cells)
+        figures.append(found.reshape(*cells, -1))
+
+    def reproduce(at):
+        row = np.ravel_multi_index(at[1:], figures[0].shape)
+        shown = {n: v[row] for n, v in inputs.items()} | {n: v[at[0]] for n, v in by_slice.items()}
+        return [shown | ({"masking": masking} if masking else {})]
+
+    said = {"why": ROUNDING, "unit": SCALE, "limit": TOLERANCE} | said
+    return make_map(
+        name, "against float64", np.stack(figures), axes, reproduce, masking=masking, **said
+    )
+
+
+ROUNDING = "The same formula from the same float32 inputs: what is left is rounding."
+
+
+def ndfs() -> Iterator[Map]:
+    """D, and what one lobe's samples are worth to the other, over tilts of h and widths."""
+    tilt, alpha = spread(TILT.values, ALPHAS, AROUND)
+    theta = np.arctan(tilt * alpha)
+    turn = np.random.default_rng(1).uniform(0, 2 * np.pi, theta.size)
+    h = unit(np.cos(theta), turn, np.sin(theta)).astype(np.float32)
+    inputs = {"h": h, "alpha": alpha.astype(np.float32)}
+    shape = (len(TILT.values), len(ALPHAS))
+
+    def beside_peak(name: str) -> Measure:
+        def measure(ours, truth, given):
+            top = exact(name, given | {"h": np.float32([[0, 0, 1]])}, "paper")
+            return difference(ours, truth, shape, top)
+
+        return measure
+
+    why = "The sine comes from h's components: 1 - cos² would err by 2 % at alpha .002."
+    for name in ("D_ggx", "D_beckmann"):
+        yield term(
+            name, (ONE, TILT, ALPHA), inputs, None, beside_peak(name), why=why, judged=OF_ALPHA
+        )
+    yield term(
+        "D_mixture",
+        (WEIGHT, TILT, ALPHA),
+        inputs,
+        {"weight": SHARES},
+        beside_peak("D_mixture"),
+        why=why,
+        judged=OF_ALPHA,
+    )
+    yield term(
+        "beckmann_over_ggx",
+        (ONE, TILT, ALPHA),
+        inputs,
+        None,
+        lambda ours, truth, _: difference(ours, truth, shape, 4 / np.e),
+        why="GGX samples serve Beckmann by this ratio, also far out, where it is 0 times infinity.",
+        judged=OF_ALPHA,
+    )
+
+
+def maskings() -> Iterator[Map]:
+    """G and its parts over angles and widths."""
+    cosine, alpha = spread(COSINES, ALPHAS, AROUND)
+    turn = np.random.default_rng(2).uniform(0, 2 * np.pi, cosine.size)
+    alpha = alpha.astype(np.float32)
+    w = unit(cosine, turn).astype(np.float32)
+    one = {"w": w, "alpha": alpha}
+    tan = {"tan": (np.sqrt(1 - cosine**2) / cosine).astype(np.float32), "alpha": alpha}
+    for name, inputs in (("G1_ggx", one), ("lambda_ggx", tan), ("lambda_beckmann", tan)):
+        yield term(name, (ONE, COSINE, ALPHA), inputs, judged=JUDGED)
+    mixed = (WEIGHT, COSINE, ALPHA)
+    yield term("G1_smith_mixture", mixed, one, {"weight": SHARES}, judged=JUDGED)
+
+    alpha, wi, wo = pairs()
+    both = {"wi": wi, "wo": wo}
+    yield term("G_vcavity", (ONE, COSINE, ALPHA), both, judged=JUDGED)
+    both["alpha"] = alpha
+    yield term("G_smith", (ONE, COSINE, ALPHA), both, judged=JUDGED)
+    for masking in ("paper", "smith"):
+        yield term("G_mixture", mixed, both, {"weight": SHARES}, masking=masking, judged=JUDGED)
+
+
+def fresnel() -> Map:
+    """F over F0 and angle."""
+    f0, cosine = (v.astype(np.float32) for v in spread(F0.values, ANGLE.values, 1))
+    return term(
+        "F_schlick",
+        (ONE, F0, ANGLE),
+        {"f0": np.repeat(f0[:, None], 3, axis=1), "cosine": cosine},
+        why="A polynomial: it must follow any F0, also one outside of [0, 1], without breaking.",
+    )
+
+
+def density() -> Map:
+    """Density of all lobes' samples together."""
+    alpha, wi, wo = pairs()
+    counts = np.float32([[0, 2, 1], [1, 1, 1], [2, 0, 1], [0, 0, 1]])
+    return term(
+        "sample_density",
+        (axis("lobes", range(len(counts))), COSINE, ALPHA),
+        {"wi": wi, "wo": wo, "alpha": alpha},
+        {"count": counts},
+        why="Light is divided by it. Slices: Beckmann, both, GGX, each with the cosine lobe, and "
+        "that alone.",
+        judged=JUDGED,
+    )
+
+
+def samplers() -> Iterator[Map]:
+    """Where random numbers are sent, at their ends too."""
+    first, alpha = spread(U.values, ALPHAS, AROUND)
+    second = np.random.default_rng(3).uniform(0, 1, first.size)
+    second[::AROUND], second[1::AROUND] = 0, LAST
+    u = np.stack([first, second], axis=1).astype(np.float32)
+    given = {"u": u, "alpha": alpha.astype(np.float32)}
+    for lobe in ("ggx", "beckmann", "cosine"):
+        inputs = given if lobe != "cosine" else {"u": u}
+        yield term(
+            f"sample_{lobe}",
+            (ONE, U, ALPHA),
+            inputs,
+            None,
+            lambda ours, truth, _: _turned(ours, truth),
+            why="Random numbers from 0 to the last float32 below 1 all give directions, and those "
+            "of the formula.",
+            unit="error of n.h and of its sine, relative",
+            judged=OF_ALPHA,
+        )
+
+
+def _turned(ours: np.ndarray, truth: np.ndarray) -> np.ndarray:
+    """How far off a direction is: along n, and across as a share of the sine."""
+    off = np.abs(ours.astype(float) - truth)
+    sine = np.maximum(np.hypot(truth[:, 0], truth[:, 1]), 1e-30)
+    cosine = np.maximum(np.abs(truth[:, 2]), 1e-30)
+    found = np.maximum(np.hypot(off[:, 0], off[:, 1]) / sine, off[:, 2] / cosine)
+    return np.where(np.isfinite(ours).all(axis=1), found, np.inf)
