@@ -32,6 +32,7 @@ class Seen:
         self.gate, self.orders, self.error, self.sign = gate, orders, error, sign
         self.frames: dict[tuple[float, int, str], Frame] = {}
         self.screened: dict[tuple[float, str], dict[Place, Row]] = {}
+        self.without_noise: dict[str, float | None] = {}
         self.verdicts: dict[tuple[float, Place, int], int] = {}
 
     def frame(self, size: float, number: int, label: str) -> Frame:
@@ -55,10 +56,15 @@ class Seen:
             }
         return self.screened[at]
 
-    def shown(self, size: float, labels: list[str]) -> bool:
-        """Whether a figure of these techniques is over its budget, whatever its interval."""
-        rows = [row for label in labels for row in self.rows(size, label).values()]
-        return any(clearance(row)[0] > 0 for row in rows)
+    def noiseless(self, label: str) -> float | None:
+        """The size from which a figure of a technique is over its budget, whatever its interval."""
+
+        def over(size: float) -> bool:
+            return any(clearance(row)[0] > 0 for row in self.rows(size, label).values())
+
+        if label not in self.without_noise:
+            self.without_noise[label] = noiseless(over, self.error.largest)
+        return self.without_noise[label]
 
     def sets(self, size: float, labels: list[str]) -> np.ndarray:
         """The outcome of every set: of each row that could be other than passed, worst first."""
@@ -76,7 +82,7 @@ class Seen:
 
     def limit(self, labels: list[str]) -> Limit:
         """The smallest size that rows of these techniques catch."""
-        found = noiseless(lambda size: self.shown(size, labels), self.error.largest)
+        found = min(filter(None, map(self.noiseless, labels)), default=None)
         start = found or self.error.largest
         curve = traced(lambda size: self.sets(size, labels), start, self.error.largest)
         taken, pool = self.gate.looks[-1], self.orders.shape[1]
@@ -100,8 +106,7 @@ class Seen:
             return made.model_copy(update={"words": _unseen(self.error.largest, found)})
         place, figure = by
         row = self.rows(0.0, place.technique)[place]
-        against = f"{place.technique} against {place.truth}"
-        seen_by = f"{row.case} {place.object} ({against}): {figure}"
+        seen_by = f"{place.technique} vs {place.truth}, {place.object} in {row.case}: {figure}"
         return made.model_copy(update={"seen_by": seen_by, "words": _words(made, row, figure)})
 
     def _seen_by(self, curve: Curve, labels: list[str]) -> tuple[Place, str] | None:
