@@ -6,6 +6,7 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from scenes.errors import InputError
+from scenes.files import read_text
 from scenes.frame import write_text
 from scenes.words import first_mistake
 
@@ -35,12 +36,7 @@ def load(kind: type[Whole], path: Path, name: str, command: str) -> Whole:
         InputError: it is missing, damaged, or of another schema version.
     """
     try:
-        return kind.model_validate_json(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(path, "", "cannot be read", f"run `{command}` first") from error
-    except ValueError as error:
-        told = [str(error)]  # it is no text
-        if isinstance(error, ValidationError):
-            told = first_mistake(error)[:2]
-        problem = f"is no {name} ({' '.join(told).strip()})"
+        return kind.model_validate_json(read_text(path, f"run `{command}` first"))
+    except ValidationError as error:
+        problem = f"is no {name} ({' '.join(first_mistake(error)[:2]).strip()})"
         raise InputError(path, "", problem, f"run `{command}` again") from error

@@ -50,19 +50,61 @@ def find(
     raise InputError(where, field, f"unknown name {reprlib.repr(name)}", remedy)
 
 
+def checked_file(path: Path, remedy: str = "check the path", field: str = "") -> Path:
+    """The path, if a file lies there: a pipe or a device might never end.
+
+    Raises:
+        InputError: there is none, or it is something else.
+    """
+    try:
+        if path.is_file():
+            return path
+        found = path.exists()
+    except (OSError, ValueError):  # folders that may not be entered; names that no file can have
+        found = False
+    problem = (
+        "is a folder" if found and path.is_dir() else "is no file" if found else "no such file"
+    )
+    raise InputError(path, field, problem, remedy)
+
+
+def read_text(path: Path, remedy: str = "check the path") -> str:
+    """Read a text file.
+
+    Args:
+        remedy: what to do where there is none.
+
+    Raises:
+        InputError: it is missing, cannot be read or is not UTF-8.
+    """
+    try:
+        content = checked_file(path, remedy).read_bytes()
+    except OSError as error:
+        raise InputError(path, "", f"cannot be read ({error.strerror})", remedy) from error
+    try:
+        return content.decode()
+    except UnicodeDecodeError as error:
+        line = 1 + content.count(b"\n", 0, error.start)
+        problem = f"is no text in UTF-8 (line {line})"
+        raise InputError(path, "", problem, "save it as UTF-8") from error
+
+
 def read_toml(path: Path) -> dict[str, Any]:
     """Parse a TOML file.
 
     Raises:
         InputError: it is missing or not TOML.
     """
+    text = read_text(path)
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        problem = f"cannot be read ({error.strerror})"
-        raise InputError(path, "", problem, "check the path") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(path, "", f"is not TOML ({error})", "mend the syntax") from error
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        problem = f"is not TOML ({error})"
+    except ValueError:  # Python converts no more than 4,300 digits
+        problem = "is not TOML (a number has thousands of digits)"
+    except RecursionError:
+        problem = "is not TOML (brackets in brackets, too deep)"
+    raise InputError(path, "", problem, "mend the syntax")
 
 
 def parse(
@@ -78,7 +120,22 @@ def parse(
     try:
         return kind.model_validate(fields)
     except ValidationError as error:
-        field, problem, remedy = first_mistake(error, kind)
-        field = field or kind.__name__.lower()
-        place = f"{field} (as changed by {user.name}: {at})" if user else field
-        raise InputError(path, place, problem, remedy) from error
+        by = f" (as changed by {user.name}: {at})" if user else ""
+        raise _mistake(error, kind, path, by) from error
+
+
+def read_json(kind: type[Record], path: Path) -> Record:
+    """Read a record that was written as JSON, such as a case.
+
+    Raises:
+        InputError: it is missing, is not JSON, or a field does not validate.
+    """
+    try:
+        return kind.model_validate_json(read_text(path))
+    except ValidationError as error:
+        raise _mistake(error, kind, path) from error
+
+
+def _mistake(error: ValidationError, kind: type[BaseModel], path: Path, by: str = "") -> InputError:
+    field, problem, remedy = first_mistake(error, kind)
+    return InputError(path, f"{field or kind.__name__.lower()}{by}", problem, remedy)

@@ -54,7 +54,8 @@ def _named_optics(value: Any, metal: bool) -> Any:
         constants = {n: c for n, c in load_constants().items() if c["metal"] == metal}
         if value not in constants:
             kind = "metal" if metal else "substance"
-            raise ValueError(f"unknown {kind} '{value}'; use one of {', '.join(sorted(constants))}")
+            named = ", ".join(sorted(constants))
+            raise ValueError(f"unknown {kind} {show(value)}; use one of {named}")
         entry = constants[value]
         return Optics(f0=entry["f0"], eta=entry["eta"], k=entry["k"], name=value)
     if isinstance(value, int | float) and not isinstance(value, bool):

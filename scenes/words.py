@@ -39,6 +39,13 @@ class _Toml(reprlib.Repr):
     def repr_bool(self, value: bool, level: int) -> str:
         return str(value).lower()
 
+    def repr_int(self, value: int, level: int) -> str:
+        # Python writes no more than 4,300 digits, and nobody reads them.
+        return str(value) if abs(value) < 10**40 else "a number of over 40 digits"
+
+    def repr_NoneType(self, value: None, level: int) -> str:  # of JSON; TOML has none
+        return "null"
+
     def repr_date(self, value: Any, level: int) -> str:
         return str(value)
 
@@ -84,8 +91,9 @@ def _in_words(mistake: Any, kind: type[BaseModel] | None) -> tuple[str, str]:
     if cause == "json_invalid":
         return "is not JSON", "write it anew"
     if cause == "value_error":
-        problem, _, remedy = mistake["msg"].removeprefix("Value error, ").partition("; ")
-        return problem, remedy or SEE
+        told = mistake["msg"].removeprefix("Value error, ")
+        problem, parted, remedy = told.rpartition("; ")  # a value told in the problem may hold one
+        return (problem, remedy) if parted else (told, SEE)
     problem = f"{show(value)} does not fit"
     if cause == "tuple_type" and isinstance(value, dict) and len(place) == 1:
         return problem, f"give a list: [...], or [[{place[0]}]] where it holds tables"

@@ -37,7 +37,12 @@ def main() -> None:
             _fail(str(_refused(error)))
         sys.exit(2)  # a group without a command: its help is told
     except OSError as error:
-        _fail(f"{error.filename or 'output'}: {error.strerror}")
+        problem = f"cannot be used ({error.strerror or error})"
+        remedy = "check the path, its permissions and the room on its disk"
+        _fail(str(InputError(error.filename or "output", "", problem, remedy)))
+    except MemoryError:
+        remedy = "take smaller pictures, meshes or environments, or a larger machine"
+        _fail(str(InputError("memory", "", "there is not enough of it", remedy)))
     except Exception as error:
         if asked:  # an interrupted import fails as it likes
             _interrupted()

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from reports.crosscheck.export import write_scene
 from scenes.errors import InputError
+from scenes.files import read_json
 from scenes.schema import Case
 
 BLENDER = Path(__file__).with_name("blender.py")
@@ -30,9 +31,7 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         try:
-            write_scene(
-                Case.model_validate_json(options.case.read_text(encoding="utf-8")), Path(folder)
-            )
+            write_scene(read_json(Case, options.case), Path(folder))
         except InputError as error:
             print(error, file=sys.stderr)
             return 2

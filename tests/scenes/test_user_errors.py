@@ -196,10 +196,19 @@ def test_an_unknown_suite_is_refused(refused, name):
     refused(lambda: load_suite(name), "--suite", "suite", "path")
 
 
-@pytest.mark.parametrize("content", [b"\xff\xfe\x00", b"= 1", b'description = "a\nb"'])
-def test_a_suite_that_is_not_toml_is_refused(refused, tmp_path, content):
+@pytest.mark.parametrize(
+    ("content", "remedy"),
+    [
+        (b"\xff\xfe\x00", "(line 1); save it as UTF-8"),
+        (b"# a\n\xe9", "(line 2); save it as UTF-8"),
+        (b"= 1", "mend the syntax"),
+        (b'description = "a\nb"', "mend the syntax"),
+        (b"description = " + b"9" * 5000, "digits); mend the syntax"),
+    ],
+)
+def test_a_suite_that_is_not_toml_is_refused(refused, tmp_path, content, remedy):
     (tmp_path / "bad.toml").write_bytes(content)
-    refused(lambda: load_suite(str(tmp_path / "bad.toml")), "bad.toml", "mend the syntax")
+    refused(lambda: load_suite(str(tmp_path / "bad.toml")), "bad.toml", remedy)
 
 
 def test_an_empty_suite_is_told_its_first_missing_field(refused, tmp_path):
@@ -210,3 +219,14 @@ def test_an_empty_suite_is_told_its_first_missing_field(refused, tmp_path):
 def test_a_message_of_many_lines_becomes_one():
     error = InputError("a\nb.toml", "field", "a library\n  said this", "mend\r\nit")
     assert str(error) == "a b.toml: field: a library said this; mend it"
+
+
+def test_what_does_not_print_is_escaped_and_the_middle_of_a_long_text_left_out():
+    error = InputError("\u202egpj.exr", "nul\0", "\x1b[31mred", "x" * 5000)
+    assert str(error).isprintable() and len(str(error)) < 600
+    assert r"\u202egpj.exr: nul\x00: \x1b[31mred; xxx" in str(error) and " ... " in str(error)
+
+
+def test_a_value_that_holds_a_semicolon_does_not_cut_the_problem(write_suite, refused):
+    path = write_suite(MATERIAL, changed('metal = "a; b"'))
+    refused(lambda: expand(*load_suite(str(path))), "unknown metal 'a; b'; use one of Ag")
