@@ -42,7 +42,7 @@ class Folder:
         """
         path = self.folder / f"{case.id}.exr"
         try:
-            return Frame(read_pixels(path, "picture"))
+            return Frame(read_pixels(path, "picture", (case.width, case.height)))
         except InputError as error:
             raise CandidateError(f"{path.name}: {error.problem}") from error
 
@@ -77,7 +77,7 @@ class Command:
             if not out.exists():
                 raise CandidateError("ended with exit code 0 but wrote no picture")
             try:
-                rgb = read_pixels(out, "picture")
+                rgb = read_pixels(out, "picture", (case.width, case.height))
             except InputError as error:
                 raise CandidateError(f"picture {error.problem}") from error
         return Frame(rgb, None, seconds, {"renderer": self.words[0]})

@@ -1,5 +1,6 @@
 """Lat-long radiance maps, decoded, checked and sanitised once for both renderers."""
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -8,12 +9,15 @@ import numpy as np
 import OpenImageIO as oiio
 
 from scenes.errors import InputError
+from scenes.files import checked_file
 
 FORMATS = (".exr", ".hdr")
 DECODERS = {".exr": "openexr", ".hdr": "hdr"}  # as OpenImageIO calls what must be inside
+BRIGHTEST = 1e15  # sums of squared radiance over a map stay inside float32
 GREY = ("Y", "L", "LUMINANCE")
 LARGEST = 16384  # texels a side that every OpenGL 4 driver takes
-BRIGHTEST = 1e15  # sums of squared radiance over a map stay inside float32
+MOST_BLANK = 1 << 24  # pixels that a file may show without storing them
+STRIP = 256  # rows decoded at once: a multiple of what every compression of EXR packs together
 # TIFF's orientations that are mere flips: steps over rows and columns.
 FLIPS = {1: (1, 1), 2: (1, -1), 3: (-1, -1), 4: (-1, 1)}
 
@@ -72,39 +76,78 @@ def _three_rows(radiance: np.ndarray) -> np.ndarray:
     return np.stack([top, top / 2 + bottom / 2, bottom])
 
 
-def read_pixels(path: Path, field: str) -> np.ndarray:
+def read_pixels(path: Path, field: str, size: tuple[int, int] | None = None) -> np.ndarray:
     """Read an image of one part and one set of R, G, B as (H, W, 3) float32; grey is spread.
+
+    A header may claim what the file does not hold: memory is taken as rows come in.
+
+    Args:
+        size: the width and height that it must have; any if None.
 
     Raises:
         InputError: the file is missing, is not what its ending says, or cannot be decoded.
     """
-    if not path.is_file():
-        raise InputError(path, field, "no such file", "name an existing image file")
+    checked_file(path, "name an existing image file", field)
     image = oiio.ImageInput.open(str(path))
     if image is None:
         reason = oiio.geterror().strip().splitlines() or ["unknown format"]
-        raise InputError(path, field, f"cannot be read ({reason[-1]})", "export it again")
+        problem = f"cannot be read ({reason[-1].strip().strip('.')})"
+        raise InputError(path, field, problem, "export it again")
     try:
         spec = image.spec()
         _as_named(path, field, image.format_name(), str(spec.format))
         if image.seek_subimage(1, 0):
             raise InputError(path, field, "has more than one part", "export it as one part")
         image.seek_subimage(0, 0)
-        size = f"{spec.full_width}x{spec.full_height} pixels"
-        if max(spec.width, spec.height, spec.full_width, spec.full_height) > LARGEST:
-            raise InputError(path, field, f"has {size}", f"give at most {LARGEST} a side")
+        _check_size(path, field, spec, size)
         orientation = spec.get_int_attribute("Orientation", 1)
         if orientation not in FLIPS:
             raise InputError(path, field, "is stored on its side", "export it again, row 0 on top")
-        pixels = image.read_image(oiio.FLOAT)
+        rgb = _rgb(path, field, spec.channelnames)
+        pixels = _decoded(image, spec, rgb)
         if pixels is None:
             raise InputError(path, field, "is damaged or cut short", "export it again")
     finally:
         image.close()
-    pixels = np.asarray(pixels, np.float32).reshape(spec.height, spec.width, spec.nchannels)
     pixels = _whole(pixels, spec)
-    pixels = pixels[:: FLIPS[orientation][0], :: FLIPS[orientation][1]]
-    return np.ascontiguousarray(pixels[..., _rgb(path, field, spec.channelnames)])
+    return np.ascontiguousarray(pixels[:: FLIPS[orientation][0], :: FLIPS[orientation][1]])
+
+
+def _check_size(
+    path: Path, field: str, spec: oiio.ImageSpec, wanted: tuple[int, int] | None
+) -> None:
+    """Refuse a picture of the wrong size, or one too large to decode, by its header."""
+    whole, stored = (spec.full_width, spec.full_height), (spec.width, spec.height)
+    if max(*whole, *stored) > LARGEST:
+        problem = f"has {whole[0]}x{whole[1]} pixels"
+        if max(stored) > LARGEST:
+            problem = f"stores {stored[0]}x{stored[1]} pixels"
+        raise InputError(path, field, problem, f"give at most {LARGEST} a side")
+    if wanted and whole != wanted:
+        problem = f"is {whole[0]}x{whole[1]} pixels, not {wanted[0]}x{wanted[1]}"
+        raise InputError(path, field, problem, "draw it at the size of the case")
+    if math.prod(whole) - math.prod(stored) > MOST_BLANK:
+        problem = f"stores {stored[0]}x{stored[1]} of its {whole[0]}x{whole[1]} pixels"
+        raise InputError(path, field, problem, "export all of them")
+
+
+def _decoded(image: oiio.ImageInput, spec: oiio.ImageSpec, rgb: list[int]) -> np.ndarray | None:
+    """What is stored of R, G and B, (h, w, 3) float32, strip by strip; None if it is damaged."""
+    pixels = np.empty((spec.height, spec.width, 3), np.float32)
+    first, beyond = min(rgb), max(rgb) + 1
+    picked = [place - first for place in rgb]
+    rows = spec.tile_height or STRIP
+    for top in range(0, spec.height, rows):
+        low, high = spec.y + top, spec.y + min(top + rows, spec.height)
+        if spec.tile_width:
+            right = spec.x + spec.width
+            strip = image.read_tiles(spec.x, right, low, high, 0, 1, first, beyond, oiio.FLOAT)
+        else:
+            strip = image.read_scanlines(low, high, 0, first, beyond, oiio.FLOAT)
+        if strip is None:
+            return None
+        pixels[top : top + rows] = strip.reshape(high - low, spec.width, -1)[..., picked]
+    return pixels
 
 
 def _as_named(path: Path, field: str, found: str, depth: str) -> None:
