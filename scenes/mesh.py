@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 
 from scenes.errors import InputError
+from scenes.mesh_file import read_mesh
 from scenes.schema import PRIMITIVES, Object
 
 FORMATS = (".ply", ".obj", ".stl", ".glb")
@@ -50,7 +51,7 @@ def load_mesh(mesh: str) -> Mesh:
     if path.suffix.lower() not in FORMATS:
         raise InputError(path, "mesh", "unknown format", f"use one of {', '.join(FORMATS)}")
     try:
-        vertices, faces, stored = _read(path)
+        vertices, faces, stored = read_mesh(path)
     except Exception as error:  # each of trimesh's readers raises what it likes
         problem = f"is damaged, or not a {path.suffix} file"
         raise InputError(path, "mesh", problem, "export it again") from error
@@ -75,29 +76,6 @@ def load_mesh(mesh: str) -> Mesh:
         raise InputError(path, "faces", "all have zero area", "give a mesh with a surface")
     made = _mesh(raw, raw.vertex_normals)
     return replace(made, vertices=np.float32(raw.vertices * size + middle))
-
-
-def _read(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
-    """Vertices (n, 3), faces (m, 3) and, if every part stores them, normals (n, 3) of a file.
-
-    The parts of a GLB are placed as its scene graph says.
-    """
-    scene, count = trimesh.load_scene(path, process=False), 0
-    vertices, faces, normals = [np.empty((0, 3))], [np.empty((0, 3), int)], [np.empty((0, 3))]
-    for node in scene.graph.nodes_geometry:
-        matrix, name = scene.graph[node]
-        if not isinstance(part := scene.geometry[name], trimesh.Trimesh):
-            continue
-        # Asked for as a property, normals that are not stored would be computed.
-        stored = part._cache.cache.get("vertex_normals")
-        if stored is not None:
-            normals.append(stored @ np.linalg.inv(matrix[:3, :3]))
-        vertices.append(trimesh.transform_points(part.vertices, matrix))
-        mirrored = np.linalg.det(matrix[:3, :3]) < 0
-        faces.append(np.asarray(part.faces)[:, :: -1 if mirrored else 1] + count)
-        count += len(part.vertices)
-    complete = count == sum(len(n) for n in normals)
-    return np.vstack(vertices), np.vstack(faces), np.vstack(normals) if complete else None
 
 
 def _mesh(raw: trimesh.Trimesh, normals: np.ndarray) -> Mesh:
@@ -149,24 +127,23 @@ def placement(obj: Object) -> np.ndarray:
     matrix = trimesh.transformations.euler_matrix(*np.radians(obj.rotate), axes="sxyz")
     scale = np.broadcast_to(np.asarray(obj.scale, float), 3)
     position = np.asarray(obj.position, float)
-    if obj.height is None:
     low, high = _extent(obj.mesh, tuple(obj.rotate), tuple(scale.tolist()))
+    if obj.height is None:
         matrix[:3, :3] *= scale
         matrix[:3, 3] = position
-        return matrix
         _within_reach(obj, scale, low + position, high + position)
+        return matrix
     if high[2] - low[2] <= 0:
         raise InputError(obj.mesh, "height", "the mesh is flat", "set 'scale' instead of 'height'")
     factor = obj.height / (high[2] - low[2])
     base = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
     matrix[:3, :3] *= scale * factor
     matrix[:3, 3] = position - factor * base
-    return matrix
     ends = (matrix[:3, 3] + factor * end for end in (low, high))
     _within_reach(obj, scale * factor, *ends)
+    return matrix
 
 
-@cache  # asked for many times a picture, and it reads every vertex
 def _within_reach(obj: Object, scales: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
     """Refuse an object whose squares of coordinates or areas would leave float32."""
     fits = (
@@ -183,6 +160,7 @@ def _within_reach(obj: Object, scales: np.ndarray, low: np.ndarray, high: np.nda
         raise InputError(obj.mesh, "scale", problem, remedy)
 
 
+@cache  # asked for many times a picture, and it reads every vertex
 def _extent(
     mesh: str, rotate: tuple[float, ...], scale: tuple[float, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
