@@ -11,9 +11,12 @@ import hashlib
 import json
 import os
 import re
+import reprlib
 import secrets
 import shutil
+import struct
 import zipfile
+import zlib
 from collections.abc import Iterable
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -25,9 +28,11 @@ from reference.batches import missing
 from reference.settings import FEWEST_BATCHES, Kind
 from reference.store import BLESSED, Store, contents, digest, load_sound, read_head, sound
 from scenes.errors import InputError
+from scenes.files import checked_file
 from scenes.frame import sha256, unwritable, written_aside
 from scenes.schema import Case
 from scenes.suite import Sampling
+from scenes.words import first_mistake
 
 SCHEMA = 1
 MANIFEST = "manifest.json"
@@ -152,7 +157,7 @@ def unpack(path: Path, store: Store, expected: str = "") -> dict[str, Any]:
         InputError: it is not that file, it is damaged or no pack, or the store cannot be written.
     """
     try:
-        actual = sha256(path)
+        actual = sha256(checked_file(path))
     except OSError as error:
         problem = f"cannot be read ({error.strerror})"
         raise InputError(path, "", problem, "check the path") from error
@@ -160,14 +165,14 @@ def unpack(path: Path, store: Store, expected: str = "") -> dict[str, Any]:
         problem = f"has the SHA-256 {actual}, not {expected}"
         raise InputError(path, "--digest", problem, AGAIN)
     with _aside(store) as aside, _complaints(path), zipfile.ZipFile(path) as file:
-        manifest = _manifest(file)
+        manifest = _manifest(file, path.stat().st_size)
         for name, wanted in manifest["files"].items():
             target = aside / name
             target.parent.mkdir(exist_ok=True)
             _copy(file, name, target, wanted)
         counts = {folder.name: _batches(folder) for folder in sorted(aside.iterdir())}
         if counts != {r["inputs"]: r["batches"] for r in manifest["references"]}:
-            raise ValueError("its references are not those of the manifest")
+            raise UnsoundError("its references are not those of the manifest")
         (store.folder / BLESSED).mkdir(exist_ok=True)
         for folder in sorted(aside.iterdir()):
             _settle(folder, store.folder / BLESSED / folder.name)
@@ -191,34 +196,46 @@ def _aside(store: Store):
                 folder.rmdir()
 
 
+class UnsoundError(Exception):
+    """What is wrong inside a pack, in our own words."""
+
+
 @contextmanager
 def _complaints(path: Path):
     """Whatever is wrong inside a pack becomes one line."""
     try:
         yield
-    except (zipfile.BadZipFile, ValueError, KeyError, TypeError, EOFError, RuntimeError) as error:
+    except UnsoundError as error:
         raise InputError(path, "", f"is no sound pack ({error})", AGAIN) from error
+    except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, TypeError, LookupError, EOFError,
+            RuntimeError, NotImplementedError, struct.error, OverflowError) as error:  # fmt: skip
+        raise InputError(path, "", "is no sound pack (damaged, or no pack)", AGAIN) from error
 
 
-def _manifest(file: zipfile.ZipFile) -> dict[str, Any]:
-    """The manifest, after the members' names and kinds have been held against it."""
+def _manifest(file: zipfile.ZipFile, size: int) -> dict[str, Any]:
+    """The manifest, after the members' names, sizes and kinds have been held against it.
+
+    Args:
+        size: bytes of the whole file: nothing in it is compressed, so it holds no more.
+    """
     infos = {info.filename: info for info in file.infolist()}
+    for name, info in infos.items():
+        if name != MANIFEST and not MEMBER.fullmatch(name):
+            raise UnsoundError(f"{reprlib.repr(name)} has no place in a store")
+        if info.compress_type != zipfile.ZIP_STORED:
+            raise UnsoundError(f"{name} is compressed")
     if MANIFEST not in infos:
-        raise ValueError("it has no manifest")
+        raise UnsoundError("it has no manifest")
+    if sum(info.file_size for info in infos.values()) > size:
+        raise UnsoundError("its members claim more than the file holds")
     manifest = json.loads(file.read(MANIFEST))
     try:
         Manifest.model_validate(manifest)
     except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in (MANIFEST, *first["loc"]))
-        raise ValueError(f"{place}: {first['msg'].lower()}") from error
+        field, problem, _ = first_mistake(error)
+        raise UnsoundError(f"{MANIFEST}: {f'{field} {problem}'.strip()}") from error
     if len(infos) != len(file.infolist()) or set(infos) != {*manifest["files"], MANIFEST}:
-        raise ValueError("its members are not those of the manifest")
-    for name, info in infos.items():
-        if name != MANIFEST and not MEMBER.fullmatch(name):
-            raise ValueError(f"{name!r} has no place in a store")
-        if info.compress_type != zipfile.ZIP_STORED:
-            raise ValueError(f"{name} is compressed")
+        raise UnsoundError("its members are not those of the manifest")
     return manifest
 
 
@@ -229,36 +246,38 @@ def _copy(file: zipfile.ZipFile, name: str, target: Path, wanted: str) -> None:
             found.update(block)
             copy.write(block)
     if found.hexdigest() != wanted:
-        raise ValueError(f"{name} is damaged")
+        raise UnsoundError(f"{name} is damaged")
 
 
 def _batches(folder: Path) -> int:
     """How many batches an unpacked reference holds.
 
     Raises:
-        ValueError: it is not whole, a number or a seed comes twice, or it has fewer than 8.
+        UnsoundError: it is not whole, a number or a seed comes twice, or it has fewer than 8.
     """
     head = read_head(folder)
     if head is None or digest(head["inputs"]) != folder.name:
-        raise ValueError(f"{folder.name}/reference.json names other inputs")
+        raise UnsoundError(f"{folder.name}/reference.json names other inputs")
     background = load_sound(folder / "background.exr")
     if background is None:
-        raise ValueError(f"{folder.name}/background.exr is missing or not sound")
+        raise UnsoundError(f"{folder.name}/background.exr is missing or not sound")
     numbers, seeds = set(), set()
     pictures = sorted({p.with_suffix(".exr") for p in folder.glob("batch-*")})
     for path in pictures:
         frame, name = load_sound(path), f"{folder.name}/{path.name}"
         if frame is None or frame.rgb.shape != background.rgb.shape:
-            raise ValueError(f"{name} is not sound")
+            raise UnsoundError(f"{name} is not sound")
         number, seed = frame.provenance["batch"], frame.provenance["seed"]
         if path.stem != f"batch-{number:03}":
-            raise ValueError(f"{name} says that it is batch {number}")
+            raise UnsoundError(f"{name} says that it is batch {number}")
         if number in numbers or seed in seeds:
-            raise ValueError(f"{name} has the number or the seed of another batch")
+            raise UnsoundError(f"{name} has the number or the seed of another batch")
         numbers.add(number)
         seeds.add(seed)
     if len(pictures) < FEWEST_BATCHES:
-        raise ValueError(f"{folder.name} has {len(pictures)} batches, fewer than {FEWEST_BATCHES}")
+        raise UnsoundError(
+            f"{folder.name} has {len(pictures)} batches, fewer than {FEWEST_BATCHES}"
+        )
     return len(pictures)
 
 

@@ -250,7 +250,7 @@ def test_a_file_of_another_digest_or_half_of_one_or_none_is_refused(stored, tmp_
     assert unpack(path, away, f"sha256:{whole}")["schema"] == 1
     path.write_bytes(path.read_bytes()[:5000])
     refused(lambda: unpack(path, away), "is no sound pack")
-    refused(lambda: unpack(tmp_path / "none", away), "No such file")
+    refused(lambda: unpack(tmp_path / "none", away), "no such file")
 
 
 def test_a_pack_takes_the_place_of_an_earlier_one(stored, tmp_path):
