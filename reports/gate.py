@@ -226,6 +226,11 @@ def conclude(results: Results) -> Results:
         reasons.append(f"{len(failed)} of {len(results.rows)} rows fail")
     if undecided and not results.allow_inconclusive:
         reasons.append(f"{len(undecided)} rows are inconclusive at the cap of samples")
+    reasons += [
+        f"the check '{c['name']}' fails: {c['detail']}"
+        for c in results.provenance.get("parity", ())
+        if c.get("judged") and not c["passed"]
+    ]
     if results.rows and not any(
         r.verdict in ("pass", "fail", "inconclusive") for r in results.rows
     ):

@@ -1,4 +1,8 @@
-"""The strip of trust: what each run shows about the two sides drawing the same thing."""
+"""Conformance: what each run shows about the two sides drawing the same thing.
+
+For our own techniques the gate judges these checks too; of an outside candidate, which may draw
+another model or filter its pixels in another way, they are told.
+"""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -6,32 +10,61 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
+from reports.conformance import Conformance
 from reports.results import Row
 from reports.stability.agreement import TOLERANCE, Agreement
 from scenes.frame import Frame
 from scenes.schema import Case
 
 SILHOUETTE = 0.98  # IoU of masks at pixel centres; the rim of a 10,000-pixel disc is 4 % of it
+TIES = 4  # pixels that rays and rasterisation may round apart, however small the object
 BACKGROUND = 0.01  # median relative difference of the environment behind the objects
+# Median difference at the objects' rims, in parts of the contrast there. Of 4 coverage samples it
+# is about .05, of one about .25, of any box that is not the pixel's more than with 4.
+EDGES = 0.12
+CONTRAST = 0.3  # of the brighter side; below, what differs is shading
 
 
 @dataclass
 class Checks:
-    """Gathers agreement between the sides as a run goes on: figure, place."""
+    """Gathers agreement between the sides as a run goes on: figure, place.
 
-    silhouettes: list[tuple[float, str]] = field(default_factory=list)
+    Attributes:
+        judged: whether the gate fails on a check that fails.
+        silhouettes: overlap, and how many pixels of the object differ.
+    """
+
+    judged: bool = True
+    silhouettes: list[tuple[float, float, str]] = field(default_factory=list)
     backgrounds: list[tuple[float, str]] = field(default_factory=list)
+    edges: list[tuple[float, str]] = field(default_factory=list)
     shaders: list[Agreement] = field(default_factory=list)
+    definitions: list[Conformance] = field(default_factory=list)
 
     def add_frame(
-        self, case: Case, technique: str, frame: Frame, truth: Frame, rows: list[Row]
+        self,
+        case: Case,
+        technique: str,
+        frame: Frame,
+        truth: Frame,
+        rows: list[Row],
+        antialiased: bool,
     ) -> None:
-        """Take in one frame beside one truth of its case, and its rows."""
+        """Take in one frame beside one truth of its case, and its rows.
+
+        Args:
+            antialiased: whether the frame is box-filtered, as the truth is, which must be without
+                occlusion then, so that nothing but the filter tells the rims apart.
+        """
         if frame.rgb.shape != truth.rgb.shape:
             return
         self.silhouettes += [
-            (r.silhouette, f"{r.object} in {case.id}") for r in rows if r.silhouette >= 0
+            (r.silhouette, (1 - r.silhouette) * r.pixels, f"{r.object} in {case.id}")
+            for r in rows
+            if r.silhouette >= 0
         ]
+        if antialiased and (off := _edges(frame, truth)) is not None:
+            self.edges.append((off, f"{technique} in {case.id}"))
         sky = ndimage.binary_erosion(truth.ids == 0, iterations=5)
         if sky.sum() > 100:
             # Over 4x4 pixels: where things are, not how each side filters fine texels.
@@ -45,9 +78,14 @@ class Checks:
         """Each check that could be made: name, passed, detail with the worst place."""
         made = []
         if self.silhouettes:
-            worst, place = min(self.silhouettes)
+            worst, _, place = min(self.silhouettes)
+            passed = all(o >= SILHOUETTE or apart <= TIES for o, apart, _ in self.silhouettes)
             detail = f"masks overlap by {worst:.2%} at worst ({place})"
-            made.append(_verdict("silhouettes", worst >= SILHOUETTE, detail))
+            made.append(_verdict("silhouettes", passed, detail))
+        if self.edges:
+            worst, place = max(self.edges)
+            detail = f"median difference {worst:.2g} of the contrast at worst ({place})"
+            made.append(_verdict("edges", worst <= EDGES, detail))
         if self.backgrounds:
             worst, place = max(self.backgrounds)
             detail = f"median difference {worst:.2%} at worst ({place})"
@@ -59,7 +97,25 @@ class Checks:
                 f"(alpha {worst.alpha:.3g}, GGX share {worst.weight:g}; allowed {TOLERANCE:.0e})"
             )
             made.append(_verdict("BRDF", worst.passed, detail))
-        return made
+        for d in self.definitions:
+            detail = f"off by {d.off:.1e} at worst ({d.place}; allowed {d.allowed:.0e})"
+            made.append(_verdict(d.name, d.passed, detail))
+        return [check | {"judged": self.judged} for check in made]
+
+
+def _edges(frame: Frame, truth: Frame) -> float | None:
+    """The median difference at the rims of objects, in parts of the contrast; None without rims.
+
+    By the share of what lies to either side, so that shading and exposure have little say.
+    """
+    ours, theirs = (f.rgb.mean(axis=2, dtype=float) for f in (frame, truth))
+    low, high = (f(theirs, 3) for f in (ndimage.minimum_filter, ndimage.maximum_filter))
+    rim = (ndimage.minimum_filter(truth.ids, 3) == 0) & (ndimage.maximum_filter(truth.ids, 3) > 0)
+    contrast = high - low
+    rim &= contrast > CONTRAST * high
+    if rim.sum() < 50:
+        return None
+    return float(np.median(np.abs(ours - theirs)[rim] / contrast[rim]))
 
 
 def _verdict(name: str, passed: bool, detail: str) -> dict[str, Any]:

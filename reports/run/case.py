@@ -80,7 +80,8 @@ def run_entry(
     for label, frame in frames.items():
         for name in entry.truths:
             own = [r for r in rows if (r.technique, r.truth) == (label, name)]
-            checks.add_frame(case, label, frame, truths[name][0], own)
+            filtered = name == "unoccluded" and _antialiased(job, label)
+            checks.add_frame(case, label, frame, truths[name][0], own, filtered)
     candidates = {}
     for label, frame in frames.items():
         candidates[label] = f"frames/{case.id}/{label}.exr"
@@ -96,6 +97,11 @@ def run_entry(
         truths={t: _save_halves(job.out, case, t, truths[t]) for t in entry.truths},
     )
     return record, rows, ladders
+
+
+def _antialiased(job: Job, label: str) -> bool:
+    """Whether a technique filters its pixels; of an outside candidate nobody knows."""
+    return not job.outside and technique(label).msaa + technique(label).supersample > 1
 
 
 def _about(row: Row) -> tuple[str, str]:

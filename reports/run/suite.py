@@ -16,6 +16,7 @@ from reports import gate, parity
 from reports.progress import reporting
 from reports.results import CaseRecord, Ladder, Results, Row
 from reports.run.case import run_entry
+from reports.run.conformance import conformance
 from reports.run.job import Job, make_folder, sources
 from reports.run.makers import Makers
 from reports.run.measures import beside_oracle
@@ -44,7 +45,7 @@ def run(job: Job) -> Results:
     rows: list[Row] = []
     cases: list[CaseRecord] = []
     ladders: list[Ladder] = []
-    checks, makers = parity.Checks(), Makers()
+    checks, makers = parity.Checks(judged=not job.outside), Makers()
     steps = sum(len(job.candidates(e)) + len(sources(e)) for e in job.entries)
     with reporting(steps) as report:
         for entry in job.entries:
@@ -55,6 +56,7 @@ def run(job: Job) -> Results:
     if not job.outside:
         surfaces = {(o.material, e.case.model) for e in job.entries for o in e.case.judged}
         checks.shaders += [beside_oracle(*s) for s in surfaces]
+        checks.definitions += conformance(job.entries)
     results = Results(
         suite=job.path.stem,
         suite_path=str(job.path),
