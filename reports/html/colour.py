@@ -1,11 +1,20 @@
 """Colour scales of the maps: fixed limits, so that any two maps can be compared by eye."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 NOT_A_NUMBER = (255, 0, 255)  # magenta stands in neither scale
+
+
+def ramp(stops: Sequence[str], steps: int) -> np.ndarray:
+    """Colours (steps, 3) uint8 sRGB evenly along stops, each #rrggbb."""
+    known = np.array([[int(s[i : i + 2], 16) for i in (1, 3, 5)] for s in stops])
+    at = np.linspace(0, len(known) - 1, steps)
+    channels = [np.interp(at, np.arange(len(known)), known[:, c]) for c in range(3)]
+    return np.round(np.stack(channels, axis=1)).astype(np.uint8)
 
 
 @dataclass(frozen=True)
@@ -27,10 +36,7 @@ class Scale:
     @cached_property
     def colours(self) -> np.ndarray:
         """(steps, 3) uint8 sRGB."""
-        stops = np.array([[int(s[i : i + 2], 16) for i in (1, 3, 5)] for s in self.stops])
-        at = np.linspace(0, len(stops) - 1, self.steps)
-        channels = [np.interp(at, np.arange(len(stops)), stops[:, c]) for c in range(3)]
-        return np.round(np.stack(channels, axis=1)).astype(np.uint8)
+        return ramp(self.stops, self.steps)
 
     @property
     def gradient(self) -> str:

@@ -14,6 +14,7 @@ from reports.html.frames import CaseFrames
 from reports.html.images import Picture, case_pictures, cause_maps, close_ups
 from reports.html.matrix import Matrix, label_of, matrices, row_id
 from reports.html.speed import SpeedView, speed_of
+from reports.html.stability import StabilityView, stability_of
 from reports.html.trust import Fact, facts
 from reports.ladder import NAMES
 from reports.results import CaseRecord, Results, Row
@@ -111,6 +112,7 @@ class Page:
     budgets: list[list[str]]
     energy_claim: ClaimView
     speed: SpeedView | str | None
+    stability: StabilityView | str | None
     gate: GateView | None
 
 
@@ -154,6 +156,7 @@ def page_of(results: Results, folder: Path) -> Page:
         ],
         energy_claim=energy_claim_view(),
         speed=speed_of(folder),
+        stability=stability_of(folder),
         gate=gate_of(folder),
     )
 

@@ -2,6 +2,7 @@
 
 import base64
 import io
+from collections.abc import Sequence
 
 import numpy as np
 from PIL import Image
@@ -23,8 +24,13 @@ def colour_map(values: np.ndarray, inside: np.ndarray, scale: Scale) -> str:
     indices = scale.indices(values) + np.uint8(2)
     indices[~np.isfinite(values)] = 1
     indices[~inside] = 0
-    image = Image.fromarray(indices, mode=None).convert("P")
-    image.putpalette([0, 0, 0, *NOT_A_NUMBER, *scale.colours.ravel().tolist()])
+    return indexed(indices, [(0, 0, 0), NOT_A_NUMBER, *map(tuple, scale.colours.tolist())])
+
+
+def indexed(indices: np.ndarray, palette: Sequence[tuple[int, int, int]]) -> str:
+    """Places (h, w) uint8 in a palette of sRGB colours, of which the first is clear."""
+    image = Image.fromarray(indices.astype(np.uint8), mode=None).convert("P")
+    image.putpalette([channel for colour in palette for channel in colour])
     return _uri(image, transparency=0)
 
 

@@ -1,20 +1,15 @@
 """bench.html in a real browser: its switch, its keys, its tables, on a narrow screen."""
 
-import json
-import shutil
-import subprocess
-
 import pytest
 
 from reports.html.figures import GAP
 from reports.html.speed import write_page
 from reports.html.speed.scatter import MODES
+from tests.reports import browser
 from tests.reports.benches import bunnies, full_bench
-from tests.reports.pages import Page
 
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 CHECKS = """
-const out = {}, $ = (s) => document.querySelector(s), plot = $(".spots");
+const $ = (s) => document.querySelector(s), plot = $(".spots");
 const marks = [...plot.querySelectorAll("a")], mark = marks[0];
 const frame = plot.getBoundingClientRect();
 const share = (m) => { const b = m.getBoundingClientRect();
@@ -57,30 +52,14 @@ const button = table.tHead.rows[1].cells[3].querySelector("button");
 button.click(); out.up = column(); out.sorted = table.tHead.rows[1].cells[3].ariaSort;
 button.click(); out.down = column();
 out.wide = document.documentElement.scrollWidth > innerWidth;
-document.body.innerHTML = ""; document.body.dataset.out = JSON.stringify(out);
 """
 
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
     """What a real browser shows on a narrow screen, as a script in the page finds it."""
-    if CHROMIUM is None:
-        pytest.skip("needs chromium or google-chrome")
     folder = tmp_path_factory.mktemp("browser")
-    page = write_page(full_bench(), folder)
-    text = page.read_text(encoding="utf-8")
-    page.write_text(
-        text.replace("</body>", f"<script>{{{CHECKS}}}</script></body>"), encoding="utf-8"
-    )
-    command = [
-        CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
-        "--disable-background-networking", "--force-prefers-reduced-motion",
-        f"--user-data-dir={folder / 'profile'}", "--window-size=500,900",
-        "--virtual-time-budget=5000", "--dump-dom", page.as_uri(),
-    ]  # fmt: skip
-    made = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-    (body,) = [a for t, a in Page(made.stdout).elements if t == "body"]
-    return json.loads(body["data-out"])
+    return browser.seen(write_page(full_bench(), folder), CHECKS)
 
 
 def test_the_switch_moves_every_point_along_axes_that_stay(seen):

@@ -1,0 +1,124 @@
+"""The pictures of the atlas: every cell where it belongs, and over its limit beyond mistaking."""
+
+import math
+
+import numpy as np
+import pytest
+
+from reports.html.stability.maps import map_view
+from reports.html.stability.scale import CELL, ERRORS, OVER, SHARES, WITHIN, place
+from tests.reports.atlases import ALPHAS, COSINES, furnace, made, small, worst
+from tests.reports.pages import pixels
+
+BLACK, WHITE = (0, 0, 0, 255), (255, 255, 255, 255)
+
+
+def cells(view, at=0):
+    """A slice's pixels, (rows, columns, CELL, CELL, 4), the first row at the bottom as recorded."""
+    image = pixels(view.slices[at].uri)
+    rows, columns = image.shape[0] // CELL, image.shape[1] // CELL
+    parted = image.reshape(rows, CELL, columns, CELL, 4).swapaxes(1, 2)
+    return parted[::-1]
+
+
+def colours(cell):
+    """The colours of a cell, the most frequent first."""
+    found, counts = np.unique(cell.reshape(-1, 4), axis=0, return_counts=True)
+    return [tuple(int(c) for c in found[i]) for i in counts.argsort()[::-1]]
+
+
+def rgba(colour):
+    return (*(int(colour[i : i + 2], 16) for i in (1, 3, 5)), 255)
+
+
+def test_a_cell_has_its_place_and_its_colour():
+    view = map_view(small([[1e-9, 1e-6, 1.0], [1e-8, 1e-4, 50.0]], limit=None))
+    found = cells(view)
+    assert found.shape[:2] == (2, 3)
+    assert colours(found[0, 0]) == [rgba(WITHIN[0])] == colours(found[1, 0])
+    assert colours(found[0, 2]) == [rgba(WITHIN[-1])] == colours(found[1, 2])
+    assert colours(found[1, 1]) == [rgba(WITHIN[2])]
+    assert view.slices[0].cells == "1e−9 1e−6 1 1e−8 1e−4 50"
+
+
+def test_larger_is_darker_below_and_above_the_limit():
+    for limit in (None, 0.0):
+        found = cells(map_view(small([[10.0**k for k in range(-8, 1)]], limit=limit)))
+        light = [sum(max(colours(c), key=sum)[:3]) for c in found[0]]
+        assert light == sorted(light, reverse=True) and len(set(light)) == 9
+
+
+def test_what_is_over_its_limit_is_striped_where_it_is_judged_and_dotted_elsewhere():
+    row = [1e-3, 1e-3, 1e-3, 1e-5]
+    view = map_view(small([row], judged={"alpha": (ALPHAS[1], ALPHAS[3])}))
+    outside, first, second, within = cells(view)[0]
+    assert colours(first)[1] == BLACK and (first == second).all()
+    assert np.count_nonzero((first == BLACK).all(axis=-1)) == 2 * CELL
+    assert 4 <= np.count_nonzero((outside == BLACK).all(axis=-1)) <= 9
+    assert colours(outside)[0] == colours(first)[0] != colours(within)[0]
+    assert len(colours(within)) == 1
+
+
+def test_what_is_no_number_is_crossed_out_and_what_was_not_tried_is_clear():
+    view = map_view(small([[math.nan, math.inf, None, 1e-6]], worst=worst(math.inf), passed=False))
+    nan, infinite, nothing, fine = cells(view)[0]
+    for cell in (nan, infinite):
+        assert colours(cell) == [BLACK, WHITE]
+    assert (nothing[..., 3] == 0).all() and (fine[..., 3] == 255).all()
+
+
+def test_both_sides_of_a_range_are_over():
+    fields = {"at_least": 0.999, "limit": 1.001, "passed": False, "worst": worst(0.9)}
+    low, right, high = cells(map_view(small([[0.9, 1.0, 1.2]], **fields)))[0]
+    assert BLACK in colours(low) and BLACK in colours(high) and BLACK not in colours(right)
+    view = map_view(small([[0.9, 1.0, 1.2]], **fields))
+    assert view.limits == [49.95, 50.05] and view.slices[0].cells == "0.9 1 1.2"
+
+
+def test_scales_are_the_same_for_every_map():
+    assert [place(ERRORS, v) for v in (0, 1e-8, 1e-4, 1, 7, math.inf)] == [0, 0, 50, 100, 100, 100]
+    assert [place(SHARES, v) for v in (0, 1, 3)] == [0, 50, 100]
+
+
+def test_the_limit_is_marked_on_the_scale():
+    view = map_view(made(limit=1e-4))
+    assert view.legend_limits == [(50.0, "1e−4")]
+    blue, orange = view.legend.split(" 50%, ")[0], view.legend.split(" 50%, ")[1]
+    assert rgb(WITHIN[0]) in blue and rgb(OVER[2]) in orange
+    alone = map_view(made(limit=None))
+    assert not alone.legend_limits and rgb(WITHIN[-1]) in alone.legend
+
+
+def rgb(colour):
+    return f"rgb({' '.join(map(str, rgba(colour)[:3]))})"
+
+
+def test_the_frame_holds_what_is_judged():
+    view = map_view(made())
+    left, top, width, height = view.box
+    assert (left, top) == (pytest.approx(100 * 8 / 17, abs=0.01), 0)
+    assert width == pytest.approx(100 * 9 / 17, abs=0.01)
+    assert height == pytest.approx(100 * 9 / 13, abs=0.01)
+    assert map_view(made(judged={}, beyond=None)).box is None
+    assert map_view(made(limit=None)).box is None
+
+
+def test_the_worst_point_is_marked_in_its_cell():
+    view = map_view(made())
+    marks = {m.kind: (s.label, m.x, m.y) for s in view.slices for m in s.marks}
+    column = lambda k: pytest.approx(100 * (k + 0.5) / len(ALPHAS), abs=0.01)  # noqa: E731
+    row = lambda k: pytest.approx(100 - 100 * (k + 0.5) / len(COSINES), abs=0.01)  # noqa: E731
+    assert marks["worst"] == ("weight 1", column(8), row(4))
+    assert marks["beyond"] == ("weight 1", column(0), row(0))
+    lost = made(of=furnace, at_least=0.999, limit=1.001, judged={}, worst=worst(1 - 0.0031),
+                beyond=None, passed=False)  # fmt: skip
+    (mark,) = [(s.label, m.kind) for s in map_view(lost).slices for m in s.marks]
+    assert mark == ("weight 0.5", "worst")
+
+
+def test_axes_are_labelled_with_whole_powers_of_ten():
+    view = map_view(made())
+    assert {t for _, t in view.columns} == {"1e−4", "0.01", "1"}
+    assert {t for _, t in view.rows} == {"1e−6", "1e−4", "0.01", "1"}
+    assert dict((t, at) for at, t in view.rows)["1"] < 10  # on top
+    assert [s.label for s in view.slices][:2] == ["weight 0", "weight 1e−7"]
