@@ -99,9 +99,8 @@ def full_limits(**fields):
     """Limits of the whole suite and of two techniques, one of them out of reach."""
     found = [
         limit(p, s, t, v * k, u)
-        for p, u, v in (("roughness", "", 0.012), ("F0", "", 0.008), ("gain", "relative", 0.013),
-                        ("normal tilt", "degrees", 0.8), ("weight", "", 0.09),
-                        ("environment rotation", "degrees", 0.6))
+        for p, u, v in (("roughness", "", 0.012), ("gain", "relative", 0.013),
+                        ("normal tilt", "degrees", 0.8))
         for s in "+-" for t, k in (("all", 1), ("paper", 8), ("sampled@64", 1.1))
     ]  # fmt: skip
     never = limit(
