@@ -8,7 +8,7 @@ import numpy as np
 from renderer.context import context
 from renderer.features import features
 from renderer.glsl import source
-from renderer.program import fill, set_uniforms
+from renderer.program import bind_maps, fill, set_uniforms
 from renderer.targets import release
 from scenes.schema import PAPER, Material, Model
 
@@ -28,7 +28,8 @@ def probe(
 
     Args:
         expression: GLSL; each input is in scope as a vec4 of its name, missing parts 0.
-        inputs: (n,) or (n, 1..4) arrays, given to the shader as float32.
+        inputs: (n,) or (n, 1..4) arrays, given to the shader as float32; one of a single row holds
+            for all rows.
         includes: shader files that the expression needs.
         declarations: further GLSL before main, such as uniforms.
         maps: textures that the functions read, by the names of their samplers.
@@ -37,20 +38,22 @@ def probe(
         (n, 4) float32.
     """
     gl = context()
-    count = len(next(iter(inputs.values())))
-    size = (WIDTH, math.ceil(count / WIDTH))
-    fetches, samplers, textures = [], [], []
-    for unit, (name, values) in enumerate(inputs.items()):
-        columns = np.asarray(values, np.float32).reshape(count, -1)
+    columns = {n: _padded(values) for n, values in inputs.items()}
+    count = max(len(values) for values in columns.values())
+    size = (min(count, WIDTH), math.ceil(count / WIDTH))
+    fetches, declared, textures = [], [], {}
+    for name, values in columns.items():
+        if len(values) == 1:
+            declared.append(f"uniform vec4 {name};")
+            continue
         padded = np.zeros((size[0] * size[1], 4), np.float32)
-        padded[:count, : columns.shape[1]] = columns
-        textures.append(gl.texture(size, 4, padded.tobytes(), dtype="f4"))
-        textures[-1].use(unit)
-        samplers.append(f"uniform sampler2D input_{name};")
+        padded[:count] = values
+        textures[f"input_{name}"] = gl.texture(size, 4, padded.tobytes(), dtype="f4")
+        declared.append(f"uniform sampler2D input_{name};")
         fetches.append(f"vec4 {name} = texelFetch(input_{name}, ivec2(gl_FragCoord.xy), 0);")
     body = "\n".join(
         [
-            *samplers,
+            *declared,
             declarations,
             "layout(location = 0) out vec4 probed;",
             f"void main() {{ {' '.join(fetches)} probed = {expression}; }}",
@@ -61,18 +64,23 @@ def probe(
         vertex_shader=source("fullscreen.vert"),
         fragment_shader=source(f"{included}\n{body}", defines, inline=True),
     )
-    set_uniforms(shader, **{f"input_{name}": unit for unit, name in enumerate(inputs)})
+    set_uniforms(shader, **{n: tuple(v[0].tolist()) for n, v in columns.items() if len(v) == 1})
     set_uniforms(shader, **(uniforms or {}))
-    for unit, (name, texture) in enumerate((maps or {}).items(), len(inputs)):
-        texture.use(unit)
-        set_uniforms(shader, **{name: unit})
+    bind_maps(shader, textures | (maps or {}))
     target = gl.texture(size, 4, dtype="f4")
     framebuffer = gl.framebuffer([target])
     gl.enable_only(0)
     fill(framebuffer, shader)
     values = np.frombuffer(target.read(), np.float32).reshape(-1, 4)[:count].copy()
-    release(framebuffer, target, shader, *textures)
+    release(framebuffer, target, shader, *textures.values())
     return values
+
+
+def _padded(values: np.ndarray) -> np.ndarray:
+    """An input as rows of four numbers."""
+    rows = np.asarray(values, np.float32)
+    rows = rows.reshape(len(rows) if rows.ndim else 1, -1)
+    return np.pad(rows, ((0, 0), (0, 4 - rows.shape[1])))
 
 
 def brdf_values(

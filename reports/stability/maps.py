@@ -49,6 +49,9 @@ def make_map(
     *,
     why: str,
     unit: str,
+    name: str = "",
+    centre: float | None = None,
+    tried: np.ndarray | None = None,
     masking: str = "",
     limit: float | None = None,
     at_least: float | None = None,
@@ -57,16 +60,19 @@ def make_map(
     """A map of the worst figure in each cell.
 
     Args:
-        figures: slices x rows x columns x k: of k inputs tried in each cell. With `at_least` the
-            worst is the one furthest from the middle of the allowed range.
-        reproduce: the inputs behind one of the figures, for `shadeproof stability --at`; of more
-            than one evaluation where a figure compares several.
+        figures: slices x rows x columns x k: of k inputs tried in each cell.
+        name: what `--at` calls the function, where that is not `function`.
+        centre: what is right, from which the worst is furthest; by default 0, or the middle of the
+            allowed range.
+        tried: rows x columns, the cells in which figures say anything; by default all.
     """
-    middle = 0.0 if at_least is None else (at_least + limit) / 2
-    badness = np.where(np.isnan(figures), np.inf, np.abs(figures - middle))
+    if centre is None:
+        centre = 0.0 if at_least is None else (at_least + limit) / 2
+    badness = np.where(np.isnan(figures), np.inf, np.abs(figures - centre))
     at = badness.argmax(axis=-1)
     values = np.take_along_axis(figures, at[..., None], axis=-1)[..., 0]
-    inside = np.ones(values.shape, bool)
+    known = np.ones(values.shape, bool) if tried is None else np.broadcast_to(tried, values.shape)
+    inside = known.copy()
     for dimension, axis in enumerate(axes):
         if bounds := (judged or {}).get(axis.name):
             found = np.asarray(axis.values)
@@ -78,7 +84,9 @@ def make_map(
             return None
         bad = np.where(part, badness.max(axis=-1), -1)
         cell = np.unravel_index(bad.argmax(), bad.shape)
-        return _worst(function, float(values[cell]), reproduce((*map(int, cell), int(at[cell]))))
+        return _worst(
+            name or function, float(values[cell]), reproduce((*map(int, cell), int(at[cell])))
+        )
 
     found, passed = worst(inside), True
     if limit is not None:
@@ -91,19 +99,19 @@ def make_map(
         why=why,
         unit=unit,
         axes=axes,
-        values=_rounded(values).tolist(),
+        values=_rounded(np.where(known, values, None)).tolist(),
         limit=limit,
         at_least=at_least,
         judged=judged or {},
         worst=found,
-        beyond=worst(~inside),
+        beyond=worst(known & ~inside),
         passed=passed,
     )
 
 
 def _rounded(values: np.ndarray) -> np.ndarray:
     """To three digits, as maps are read; the worst point keeps all of its own."""
-    return np.vectorize(lambda x: float(f"{x:.3g}"))(values)
+    return np.vectorize(lambda x: x if x is None else float(f"{x:.3g}"), otypes=[object])(values)
 
 
 def _worst(function: str, value: float, evaluations: list[Shown]) -> Worst:

@@ -172,15 +172,15 @@ def tangent(n: np.ndarray) -> np.ndarray:
     return np.stack([1 - s * x * x / (s + z), -s * x * y / (s + z), -s * x], axis=1)
 
 
-def latlong(world: np.ndarray) -> np.ndarray:
+def latlong(w: np.ndarray) -> np.ndarray:
     """u and v of a direction, (n, 2): azimuth atan2(x, y) / 2 pi, polar angle / pi."""
-    x, y, z = world.astype(float).T
+    x, y, z = w.astype(float).T
     return np.stack([np.arctan2(x, y) / (2 * np.pi), np.arctan2(np.hypot(x, y), z) / np.pi], 1)
 
 
-def hammersley(index: np.ndarray, count: np.ndarray) -> np.ndarray:
+def hammersley(index: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Point i of n, (n, 2): (i + .5) / n, and i's binary digits mirrored at the point."""
     i, mirrored = index.astype(np.uint64), np.zeros(len(index))
     for bit in range(32):
         mirrored += ((i >> np.uint64(bit)) & np.uint64(1)) * 0.5 ** (bit + 1)
-    return np.stack([(index.astype(float) + 0.5) / count, mirrored], axis=1)
+    return np.stack([(index.astype(float) + 0.5) / points, mirrored], axis=1)

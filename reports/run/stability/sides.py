@@ -8,9 +8,14 @@ from reports.stability.functions import FUNCTIONS, PARTS, Inputs
 from scenes.schema import Material, Model
 
 
+def _shaped(inputs: Inputs) -> Inputs:
+    """Every input as (n, parts) or (1, parts) float32."""
+    return {n: np.asarray(v, np.float32).reshape(-1, PARTS[n]) for n, v in inputs.items()}
+
+
 def rows(inputs: Inputs) -> Inputs:
     """Every input as (n, parts) float32; what is given once holds for all rows."""
-    shaped = {n: np.asarray(v, np.float32).reshape(-1, PARTS[n]) for n, v in inputs.items()}
+    shaped = _shaped(inputs)
     count = max(len(v) for v in shaped.values())
     return {n: np.broadcast_to(v, (count, PARTS[n])) for n, v in shaped.items()}
 
@@ -21,7 +26,7 @@ def shader(name: str, inputs: Inputs, masking: str = "paper") -> np.ndarray:
     The lobes that are compiled in are those that a material of these weights and albedo needs, as
     for a picture; for a function without weights all are.
     """
-    function, given = FUNCTIONS[name], rows(inputs)
+    function, given = FUNCTIONS[name], _shaped(inputs)
     defines = frozenset({"D_GGX", "D_BECKMANN", "DIFFUSE"})
     if "weight" in function.inputs:
         defines = _compiled(given, masking)

@@ -1,0 +1,206 @@
+"""What surrounds the BRDF: frames, lat-long maps, sample points, levels, the split sum's table."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from renderer.context import context
+from renderer.precompute import brdf_table
+from renderer.probe import probe
+from renderer.targets import release
+from reports.furnace import Surface, furnace_albedo
+from reports.run.stability.sides import exact, shader
+from reports.stability.grid import ONE, WEIGHTS, axis, spread, unit
+from reports.stability.maps import make_map
+from reports.stability.results import Axis, Map
+from scenes.schema import Material
+
+ORTHONORMAL = 1e-6
+ANGLE = 2e-6  # radians; a texel of a 16,384 x 8,192 map is 4e-4
+POINT = 2.0**-23  # both parts are rounded to 24 bits
+LEVEL = 1e-3  # of one level of mips
+TABLE = 0.005  # 1,024 points over a kink at the horizon, and Beckmann with weights up to 4/e
+Z = axis("n.z", [-1, -1 + 2**-20, -0.9, -0.1, -1e-7, 0, 1e-7, 0.1, 0.9, 1 - 2**-20, 1])
+TURN = axis("azimuth", np.linspace(0, 2 * np.pi, 17))
+POLAR = axis(
+    "polar angle", [0, 1e-6, 1e-3, 0.1, 0.5, 1, 1.5, 2, 3, np.pi - 1e-3, np.pi - 1e-6, np.pi]
+)
+COUNTS = axis("points", [1, 2, 3, 16, 96, 1000, 1024, 65_535, 1_000_000], log=True)
+PLACES = axis("index over points", np.linspace(0, 1, 65))
+SIZES = ((1, 1), (2, 1), (1, 2), (7, 5), (512, 256))
+
+
+def maps() -> Iterator[Map]:
+    """Every function of the kind."""
+    yield tangent_frame()
+    yield latlong()
+    yield hammersley()
+    yield radiance_lod()
+    yield from tables()
+
+
+def tangent_frame() -> Map:
+    """Orthonormal and right-handed for every n, the poles and both zeros among them."""
+    z, turn = spread(Z.values, TURN.values, 1)
+    n = unit(z, turn).astype(np.float32)
+    columns = [
+        probe(f"vec4(tangent_frame(n.xyz)[{k}], 0.0)", {"n": n}, ("frame.glsl",))[:, :3]
+        for k in range(3)
+    ]
+    M = np.stack(columns, axis=2).astype(float)
+    off = np.abs(M.transpose(0, 2, 1) @ M - np.eye(3)).max(axis=(1, 2))
+    off = np.maximum(off, np.abs(np.linalg.det(M) - 1))
+    return make_map(
+        "tangent_frame",
+        "orthonormal",
+        _cells(off, Z, TURN),
+        (ONE, Z, TURN),
+        lambda at: [{"n": n[at[1] * len(TURN.values) + at[2]]}],
+        why="Light is turned into this frame and back: it must neither shear nor mirror it, also "
+        "at n.z = -1 and where n.z changes sign.",
+        unit="largest part of MᵀM - 1 and of det M - 1",
+        limit=ORTHONORMAL,
+    )
+
+
+def latlong() -> Map:
+    """A direction to the map and back."""
+    polar, turn = spread(POLAR.values, TURN.values, 1)
+    w = unit(np.cos(polar), turn, np.sin(polar)).astype(np.float32)
+    call = "vec4(direction_from_latlong(latlong_from_direction(w.xyz, 0.0), 0.0), 0.0)"
+    back = probe(call, {"w": w}, ("latlong.glsl",))[:, :3]
+    off = np.linalg.norm(back.astype(float) - w, axis=1)
+    uv = exact("latlong_from_direction", {"w": w})
+    found = shader("latlong_from_direction", {"w": w})
+    # At a pole every u is right; elsewhere it counts by the circle that it runs around.
+    circle = np.hypot(w[:, 0], w[:, 1]) * 2 * np.pi
+    across = np.abs((found - uv)[:, 0] + 0.5) % 1 - 0.5
+    off = np.max([off, np.abs(across) * circle, np.abs(found - uv)[:, 1] * np.pi], axis=0)
+    return make_map(
+        "latlong_from_direction",
+        "round trip",
+        _cells(off, POLAR, TURN),
+        (ONE, POLAR, TURN),
+        lambda at: [{"w": w[at[1] * len(TURN.values) + at[2]]}],
+        why="A direction finds its texel and comes back, at the poles, where azimuth has no "
+        "meaning, and across the seam.",
+        unit="radians, of the way back and of the place on the map",
+        limit=ANGLE,
+    )
+
+
+def hammersley() -> Map:
+    """Points against exact binary fractions, and within [0, 1)."""
+    points, place = spread(COUNTS.values, PLACES.values, 1)
+    index = np.minimum(np.round(place * points), points - 1)
+    given = {"index": index, "points": points}
+    found = shader("hammersley", given)
+    off = np.abs(found - exact("hammersley", given)).max(axis=1)
+    off[(found < 0).any(axis=1) | (found >= 1).any(axis=1)] = np.inf
+    return make_map(
+        "hammersley",
+        "against float64",
+        _cells(off, COUNTS, PLACES),
+        (ONE, COUNTS, PLACES),
+        lambda at: [{n: v[at[1] * len(PLACES.values) + at[2]] for n, v in given.items()}],
+        why="A point of 1 would be sent to the horizon: 32 bits as a fraction round up to it.",
+        unit="difference; infinite outside of [0, 1)",
+        limit=POINT,
+    )
+
+
+def radiance_lod() -> Map:
+    """The level of a sample against float64, for maps of every shape."""
+    sizes = axis("size of the map", range(len(SIZES)))
+    polar = axis("polar angle", POLAR.values)
+    densities = axis("density", [0, 1e-30, *10.0 ** np.arange(-6, 13, 2), 3e38], log=True)
+    angle, density = spread(polar.values, densities.values, 1)
+    w = unit(np.cos(angle), 0.3 + 0 * angle, np.sin(angle)).astype(np.float32)
+    density = density.astype(np.float32)
+    figures = []
+    for width, height in SIZES:
+        texture = context().texture((width, height), 4, dtype="f4")
+        found = probe(
+            "vec4(radiance_lod(w.xyz, d.x, 1.0))",
+            {"w": w, "d": density},
+            ("radiance.glsl",),
+            maps={"radiance_map": texture},
+        )[:, 0]
+        release(texture)
+        sine = np.maximum(np.hypot(w[:, 0], w[:, 1], dtype=float), 0.5 / height)
+        texel = 2 * np.pi**2 / (width * max(height - 1, 1)) * sine
+        level = np.maximum(-0.5 * np.log2(np.maximum(density * texel, 1e-30)), 0)
+        off = np.abs(found - level)
+        off[~np.isfinite(found) | (found < 0)] = np.inf
+        figures.append(_cells(off, polar, densities)[0])
+    return make_map(
+        "radiance_lod",
+        "against float64",
+        np.stack(figures),
+        (sizes, polar, densities),
+        lambda at: [
+            {
+                "size": SIZES[at[0]],
+                "w": w[at[1] * len(densities.values) + at[2]],
+                "density": density[at[1] * len(densities.values) + at[2]],
+            }
+        ],
+        why="A level that is no number reads no light. Sizes: 1x1, 2x1, 1x2, 7x5, 512x256.",
+        unit="levels; infinite for one that is negative or no number",
+        limit=LEVEL,
+    )
+
+
+def tables() -> Iterator[Map]:
+    """The split sum's scale and bias for F0, as they are looked up, against furnaces in float64."""
+    every = [0, 1, 3, 7, 15, 31, 63, 95, 127]
+    centre = (np.array(every) + 0.5) / 128
+    cosines, roughness = axis("n.v", centre), axis("roughness", centre)
+    slices = axis("weight", WEIGHTS)
+    shared = brdf_table.make(None, ("table_ggx", "table_beckmann"))
+    ggx, beckmann = (_texels(t)[np.ix_(every, every)] for t in shared.values())
+    for masking in ("paper", "smith"):
+        found, truth = np.empty((2, len(WEIGHTS), len(every), len(every), 2))
+        for j, r in enumerate(centre):
+            surface = Surface((r * r, r * r), WEIGHTS, masking)
+            for i, c in enumerate(centre):
+                both, bias = furnace_albedo(surface, float(np.arccos(c)), (1.0, 0.0))
+                truth[:, i, j] = np.stack([both - bias, bias], axis=1)
+        for k, w in enumerate(WEIGHTS):
+            if masking == "paper":
+                sums = w * ggx + (1 - w) * beckmann
+                found[k] = (w * sums[..., :2] + (1 - w) * sums[..., 2:]).transpose(1, 0, 2)
+            else:
+                for j, r in enumerate(centre):
+                    metal = Material(roughness=float(r), metallic=1.0, metal=1.0, weight=float(w))
+                    found[k, :, j] = _texels(brdf_table.smith_table(metal).texture)[0, every, :2]
+        off = np.abs(found - truth).max(axis=-1)
+        off[~np.isfinite(found).all(axis=-1) | (found < 0).any(axis=-1)] = np.inf
+        yield make_map(
+            "scale_bias",
+            "against float64",
+            off[..., None],
+            (slices, cosines, roughness),
+            lambda at, masking=masking: [
+                {
+                    "n.v": centre[at[1]],
+                    "roughness": centre[at[2]],
+                    "weight": WEIGHTS[at[0]],
+                    "masking": masking,
+                }
+            ],
+            masking=masking,
+            why="The table's first and last texels are its hardest: n.v and roughness of .004.",
+            unit="difference of scale and bias, as a share of all light; infinite if negative",
+            limit=TABLE,
+            judged={"n.v": (0.1, 1.0)},
+        )
+
+
+def _texels(texture) -> np.ndarray:
+    return np.frombuffer(texture.read(), np.float32).reshape(texture.height, texture.width, 4)
+
+
+def _cells(figures: np.ndarray, rows: Axis, columns: Axis) -> np.ndarray:
+    """Figures (n,) of one slice as slices x rows x columns x k."""
+    return figures.reshape(1, len(rows.values), len(columns.values), -1)
