@@ -130,26 +130,44 @@ def test_the_matrix_counts_what_a_user_could_see():
     assert (caught.text, caught.state) == ("1/1", "within2")
 
 
-def test_limits_have_units_signs_and_intervals():
-    def told(**fields):
-        (view,) = limits_view(full_limits(limits=[limit(**fields)])).limits
-        return plain(f"{view.what}: {view.smallest} ({view.ends}), {view.noiseless}, {view.by}")
+def row_of(*found):
+    (view,) = limits_view(full_limits(limits=found)).limits
+    return view
 
-    assert told() == "roughness too large: +0.012 (0.0108 to 0.0144), +0.0096, the budget"
-    assert told(sign="-", unit="relative", limited_by="noise") == (
-        "roughness too small: −1.2 % (1.08 % to 1.44 %), −0.96 %, the reference's noise"
-    )
-    assert told(unit="degrees", high=None, low=0.01).startswith(
-        "roughness too large: +0.012° (0.01° or more)"
-    )
-    assert told(smallest=None, noiseless=None).startswith(
-        "roughness too large: not even +0.1 (), –"
-    )
+
+def side_of(**fields):
+    side = row_of(limit(**fields)).plus
+    return plain(f"{side.smallest} ({side.ends})")
+
+
+def test_limits_have_units_signs_and_intervals():
+    assert side_of() == "+0.012 (0.0108 to 0.0144)"
+    assert side_of(unit="relative") == "+1.2 % (1.08 % to 1.44 %)"
+    assert side_of(unit="degrees", high=None, low=0.01) == "+0.012° (0.01° or more)"
+    assert side_of(low=None, high=0.02) == "+0.012 (0.02 or less)"
+    assert side_of(smallest=None, noiseless=None) == "not even +0.1 ()"
+    assert side_of(smallest=None, curve=[]) == "not measured ()"
+    assert row_of(limit(smallest=None)).plus.state == "never" != row_of(limit()).plus.state
+
+
+def test_both_signs_stand_in_one_row_and_differ_where_they_do():
+    up, down = limit(), limit(sign="-", smallest=0.02, noiseless=None)
+    row = row_of(up, down)
+    assert (row.parameter, row.plus.smallest, row.minus.smallest) == (
+        "roughness", "+0.012", "−0.02",
+    )  # fmt: skip
+    assert (row.noiseless, row.by, row.words) == ("+0.0096, –", "the budget", [up.words])
+    noisy = limit(sign="-", limited_by="noise", words="few batches", seen_by="")
+    row = row_of(up, noisy)
+    assert row.by == "plus: the budget, minus: the reference's noise"
+    assert row.words == [f"Plus: {up.words}", "Minus: few batches"]
+    assert row.seen_by == [up.seen_by]
+    assert row_of(down).plus is None
 
 
 def test_the_whole_suite_stands_before_its_techniques(page):
     view = limits_view(full_limits())
-    assert len(view.limits) == 7 and len(view.single) == 12
+    assert len(view.limits) == 4 and len(view.single) == 6
     assert {v.technique for v in view.limits} == {""}
     assert {v.technique for v in view.single} == {"paper", "sampled@64"}
     alone = limits_view(full_limits(limits=[limit(technique="paper")]))
@@ -160,8 +178,8 @@ def test_a_chart_for_each_parameter_shows_how_often_it_is_caught():
     charts = {c.title: c for c in limits_view(full_limits()).charts}
     assert list(charts)[:3] == ["roughness", "gain", "normal tilt"] and len(charts) == 4
     chart = charts["roughness"]
-    assert "whole suite, too large" in chart.header and "paper, too small" in chart.header
-    column = chart.header.index("whole suite, too large")
+    assert "whole suite, plus" in chart.header and "paper, minus" in chart.header
+    column = chart.header.index("whole suite, plus")
     row = next(r for r in chart.rows if r[0] == "0.012")
     assert row[column] == "95"
 

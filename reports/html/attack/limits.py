@@ -11,20 +11,34 @@ from reports.html.logaxis import LogAxis
 from reports.html.trust import Fact, versions_of
 
 WHOLE = "whole suite"
-SIGNS = {"+": "too large", "-": "too small"}
+SIGNS = {"+": "plus", "-": "minus"}
+BY = {"budget": "the budget", "noise": "the reference's noise"}
+
+
+@dataclass(frozen=True)
+class SideView:
+    """The limit of one sign of an error, as text; `state` is "never" where it is out of reach."""
+
+    smallest: str
+    ends: str
+    state: str
 
 
 @dataclass(frozen=True)
 class LimitView:
-    """One limit as text."""
+    """One kind of error, judged by one technique's rows or (`technique` is "") the whole suite's.
 
-    limit: Limit
-    what: str
+    `plus` and `minus` are None where that sign was not tried.
+    """
+
+    parameter: str
     technique: str
-    smallest: str
-    ends: str
+    plus: SideView | None
+    minus: SideView | None
     noiseless: str
     by: str
+    words: list[str]
+    seen_by: list[str]
 
 
 @dataclass(frozen=True)
@@ -46,8 +60,8 @@ def limits_view(found: Limits) -> LimitsView:
     whole = [x for x in found.limits if x.technique == EVERY] or found.limits
     return LimitsView(
         sentence=_sentence(found.false_alarms),
-        limits=[_limit(x) for x in whole],
-        single=[_limit(x) for x in found.limits if x not in whole],
+        limits=_rows(whole),
+        single=_rows([x for x in found.limits if x not in whole]),
         charts=_charts(found.limits),
         alarms=[(a, _interval(a)) for a in found.false_alarms],
         state="fail" if any(a.alarms for a in found.false_alarms) else "pass",
@@ -70,25 +84,55 @@ def size(value: float | None, unit: str, signed: str = "") -> str:
     return f"{signed}{digits(value)}{'°' if unit == 'degrees' else ''}"
 
 
-def _limit(found: Limit) -> LimitView:
-    sign = "+" if found.sign == "+" else "−"
-    most = max((p.size for p in found.curve), default=math.nan)
-    if found.smallest is None:
-        smallest = f"not even {size(most, found.unit, sign)}" if most == most else "not measured"
-    else:
-        smallest = size(found.smallest, found.unit, sign)
-    ends = [size(v, found.unit) for v in (found.low, found.high)]
-    open_ended = found.high is None and found.low is not None
-    told = f"{ends[0]} or more" if open_ended else f"{ends[0]} to {ends[1]}"
+def _rows(limits: Sequence[Limit]) -> list[LimitView]:
+    """A row for each parameter and technique, with both signs."""
+    groups: dict[tuple[str, str], list[Limit]] = {}
+    for found in limits:
+        groups.setdefault((found.technique, found.parameter), []).append(found)
+    return [_row(own) for own in groups.values()]
+
+
+def _row(own: Sequence[Limit]) -> LimitView:
+    sides = {found.sign: _side(found) for found in own}
+    first, kinds = own[0], dict.fromkeys(found.limited_by for found in own)
+    by = BY[first.limited_by]
+    if len(kinds) > 1:
+        by = ", ".join(f"{SIGNS[found.sign]}: {BY[found.limited_by]}" for found in own)
     return LimitView(
-        limit=found,
-        what=f"{found.parameter} {SIGNS[found.sign]}",
-        technique="" if found.technique == EVERY else found.technique,
-        smallest=smallest,
-        ends="" if found.low is None and found.high is None else told,
-        noiseless=size(found.noiseless, found.unit, sign),
-        by={"budget": "the budget", "noise": "the reference's noise"}[found.limited_by],
+        parameter=first.parameter,
+        technique="" if first.technique == EVERY else first.technique,
+        plus=sides.get("+"),
+        minus=sides.get("-"),
+        noiseless=", ".join(size(found.noiseless, found.unit, _sign(found)) for found in own),
+        by=by,
+        words=_told([(found, found.words) for found in own]),
+        seen_by=_told([(found, found.seen_by) for found in own if found.seen_by]),
     )
+
+
+def _told(said: Sequence[tuple[Limit, str]]) -> list[str]:
+    """What is said of both signs once, and else with its sign."""
+    if len({words for _, words in said}) <= 1:
+        return [words for _, words in said[:1]]
+    return [f"{SIGNS[found.sign].capitalize()}: {words}" for found, words in said]
+
+
+def _side(found: Limit) -> SideView:
+    most = max((p.size for p in found.curve), default=math.nan)
+    shown = size(most if found.smallest is None else found.smallest, found.unit, _sign(found))
+    if found.smallest is None:
+        return SideView(f"not even {shown}" if most == most else "not measured", "", "never")
+    low, high = size(found.low, found.unit), size(found.high, found.unit)
+    ends = f"{low} to {high}"
+    if found.high is None:
+        ends = "" if found.low is None else f"{low} or more"
+    elif found.low is None:
+        ends = f"{high} or less"
+    return SideView(shown, ends, "")
+
+
+def _sign(found: Limit) -> str:
+    return "+" if found.sign == "+" else "−"
 
 
 def _sentence(alarms: Sequence[FalseAlarms]) -> str:
