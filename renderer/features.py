@@ -36,6 +36,9 @@ LOBES = (
     Feature("DIFFUSE", lambda m: max(m.diffuse_albedo) > 0, ("irradiance_map",)),
 )
 
+# Mesa's llvmpipe ends the loops of a shader, silently, after 65,535 turns in all.
+MOST_SAMPLES = 65_000
+
 FINE = "_fine"  # ends the names of maps made much more finely than a technique would
 
 # What the shaders can draw of a model. Truths cover all of it.
@@ -119,10 +122,11 @@ def technique(name: str) -> Technique:
     """
     if found := TECHNIQUES.get(name):
         return found
-    if (match := re.fullmatch(r"sampled@(\d{1,6})", name)) and int(match[1]) > 0:
+    match = re.fullmatch(r"sampled@(\d{1,5})", name)
+    if match and 0 < int(match[1]) <= MOST_SAMPLES:
         return Technique(name, "shade_sampled.glsl", samples=int(match[1]))
     known = ", ".join([*TECHNIQUES, "sampled@N"])
-    raise ValueError(f"unknown technique '{name}'; known: {known}")
+    raise ValueError(f"unknown technique '{name}'; known: {known} with N up to {MOST_SAMPLES}")
 
 
 def switched(base: Technique, model: Model = PAPER) -> dict[str, Technique]:

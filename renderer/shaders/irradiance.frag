@@ -2,6 +2,7 @@
 #include "radiance.glsl"
 in vec2 uv;
 uniform int level; // of the radiance map to sum over
+uniform ivec2 fewest; // columns and rows to sum over
 layout(location = 0) out vec4 irradiance;
 
 // The polar angle at a height v in texture space: rows are aligned to the poles.
@@ -14,7 +15,7 @@ float polar_angle(float v) {
 // cosine where the map is coarser, each cell with its exact solid angle.
 void main() {
     vec3 n = direction_from_latlong(uv, 0.0);
-    ivec2 cells = max(textureSize(radiance_map, level), ivec2(128, 64));
+    ivec2 cells = max(textureSize(radiance_map, level), fewest);
     vec3 sum = vec3(0.0);
     for (int y = 0; y < cells.y; ++y) {
         float top = polar_angle(float(y) / float(cells.y));
