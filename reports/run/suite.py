@@ -19,7 +19,7 @@ from reports.run.case import run_entry
 from reports.run.conformance import conformance
 from reports.run.job import Job, make_folder, sources
 from reports.run.makers import Makers
-from reports.run.measures import beside_oracle
+from reports.run.stability.materials import beside_oracle
 from reports.run.tracing import trace_ahead
 
 PACKAGES = ("mitsuba", "drjit", "moderngl", "numpy", "scipy", "scikit-image", "flip-evaluator")

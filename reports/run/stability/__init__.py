@@ -1,1 +1,103 @@
-"""The GLSL that users run, over every hard input: stability.json."""
+"""The GLSL that users run, over every hard input, against float64 and Mitsuba."""
+
+import datetime
+import os
+import platform
+import time
+from collections.abc import Iterator
+from importlib import metadata
+from typing import Any
+
+from renderer.context import device
+from reports.progress import Reporter, reporting
+from reports.run.stability import furnaces, geometry, terms
+from reports.run.stability.brdf import Sweep, stock_maps
+from reports.run.stability.named_brdf import BRDF
+from reports.run.stability.named_terms import TERMS
+from reports.stability.directions import MASKINGS
+from reports.stability.promise import promises
+from reports.stability.results import HardCase, Map, Stability
+from scenes.errors import InputError
+
+PACKAGES = ("mitsuba", "drjit", "moderngl", "numpy", "scipy")
+NAMED = {case.name: case for case in (*BRDF, *TERMS)}
+
+
+def stability(command: str = "", frames: bool = True) -> Stability:
+    """Every map, and every hard case.
+
+    Args:
+        frames: draw the hard pictures too, not only call functions.
+    """
+    start = time.perf_counter()
+    with reporting(3 if frames else 2) as report:
+        report.step("functions over their grids")
+        maps = list(_maps(report))
+        report.step("functions on hard inputs")
+        hard = [case.case() for case in NAMED.values()]
+        if frames:
+            report.step("whole pictures of hard cases")
+            hard += _frames()
+    return Stability(
+        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        seconds=time.perf_counter() - start,
+        command=command,
+        provenance=_provenance(),
+        maps=maps,
+        hard=hard,
+        domain=promises(maps, hard),
+    )
+
+
+def _maps(report: Reporter) -> Iterator[Map]:
+    for masking in MASKINGS:
+        yield from _told(Sweep(masking).maps(), report)
+    for maps in (stock_maps(), terms.maps(), furnaces.maps(), geometry.maps()):
+        yield from _told(maps, report)
+
+
+def _told(maps: Iterator[Map], report: Reporter) -> Iterator[Map]:
+    for found in maps:
+        report.detail(f"{found.function} {found.masking} {found.invariant}")
+        yield found
+
+
+def hard_cases(names: list[str]) -> list[HardCase]:
+    """The hard cases of these names, functions' or pictures'.
+
+    Raises:
+        InputError: there is no such case.
+    """
+    from reports.stability.hard import hard_cases as pictures
+
+    known = pictures()
+    for name in names:
+        if name not in NAMED and name not in known:
+            remedy = f"use one of {', '.join([*NAMED, *known])}"
+            raise InputError("--hard", "", f"there is no hard case '{name}'", remedy)
+    found = []
+    for name in names:
+        found += [NAMED[name].case()] if name in NAMED else _frames([name])
+    return found
+
+
+def _frames(names: list[str] | tuple[str, ...] = ()) -> list[HardCase]:
+    from reports.run.hard_frames import hard_frames
+
+    return hard_frames(names)
+
+
+def _provenance() -> dict[str, Any]:
+    """Where and with what this ran."""
+    from reference.variant import mitsuba
+
+    return {
+        "device": device().name,
+        "opengl": device().version,
+        "hardware_gpu": device().hardware,
+        "variant": mitsuba().variant(),
+        "cpus": os.cpu_count(),
+        "machine": f"{platform.machine()}, {platform.system()} {platform.release()}",
+        "python": platform.python_version(),
+        "versions": {p: metadata.version(p) for p in PACKAGES},
+    }

@@ -28,8 +28,8 @@ from reports.stability.results import Map
 CELLS = (len(COSINES), len(ALPHAS))
 RECIPROCAL = 1e-6  # the same sums in another order
 STOCK_BECKMANN = 7.1e-3  # Mitsuba's G1 of Beckmann is a rational fit, .35 % off, and G has two
-# Below this wi.h the stock plugin's dot products of nearly opposite directions cancel: at .01 its
-# density is off by 3e-4, and at 1e-4 it takes such facets for ones that face away.
+# Of nearly opposite directions the stock plugin's dot products cancel: at wi.h = .01 its density is
+# off by 3e-4, and at 1e-4 it takes the facets for ones that face away.
 STOCK_KNOWN = 0.05
 STEP = 1e-3  # of alpha, relative
 ROUNDING = 1e-5  # of the largest value, beside a step
@@ -174,45 +174,50 @@ def stock_maps() -> Iterator[Map]:
     """Single lobes beside Mitsuba's own roughconductor: f with F = 1, and the samples' density."""
     sweep = Sweep("smith", np.array([0.0, 1.0]))
     known = half_vector(sweep.wi, sweep.wo)[1].reshape(*CELLS, PER_CELL) >= STOCK_KNOWN
-    for slice_, ndf in enumerate(("beckmann", "ggx")):
-        weight = sweep.weights[slice_]
-        inputs = sweep.inputs(weight) | WHITE_METAL
+    where = (
+        f"compared where wi.h is at least {STOCK_KNOWN}, since its own dot products cancel below."
+    )
+    sampled = {n: v for n, v in sweep.inputs(0).items() if n in ("wi", "wo", "alpha")}
+    counts = ((0, 1, 0), (1, 0, 0))
+    densities = []
+    for slice_, (ndf, title) in enumerate((("beckmann", "Beckmann"), ("ggx", "GGX"))):
+        inputs = sweep.inputs(sweep.weights[slice_]) | WHITE_METAL
         f, pdf = stock(inputs, ndf)
-        sampled = {n: inputs[n] for n in ("wi", "wo", "alpha")} | {"count": (weight, 1 - weight, 0)}
-
-        def shown(at, k=slice_):
-            return sweep.shown((k, *at[1:]), **WHITE_METAL)
-
-        def density(at, count=sampled["count"], shown=shown):
-            return [{n: shown(at)[n] for n in ("wi", "wo", "alpha")} | {"count": count}]
-
+        ours = shader("sample_density", sampled | {"count": counts[slice_]})
+        densities.append(np.where(known, difference(ours, pdf, CELLS), 0))
+        off = difference(shader("brdf", inputs, "smith")[:, :1], f, CELLS)
         yield make_map(
             "brdf",
-            "against roughconductor",
-            np.where(known, difference(shader("brdf", inputs, "smith")[:, :1], f, CELLS), 0)[None],
-            (axis("weight", [weight]), COSINE, ALPHA),
-            lambda at, shown=shown: [shown(at)],
+            f"against roughconductor, {title}",
+            np.where(known, off, 0)[None],
+            (axis("weight", [sweep.weights[slice_]]), COSINE, ALPHA),
+            lambda at, k=slice_: [sweep.shown((k, *at[1:]), **WHITE_METAL)],
             masking="smith",
             why="A plugin that nobody here wrote has the same model where one lobe has all of the "
-            f"weight and F = 1; compared where wi.h is at least {STOCK_KNOWN}."
+            f"weight and F = 1; {where}"
             + " Its G1 of Beckmann is a fit, .35 % off."
             * (ndf == "beckmann"),
             unit=SCALE,
             limit=TOLERANCE if ndf == "ggx" else STOCK_BECKMANN,
             judged=JUDGED,
         )
-        yield make_map(
-            "sample_density",
-            "pdf against Mitsuba",
-            np.where(known, difference(shader("sample_density", sampled), pdf, CELLS), 0)[None],
-            (axis("weight", [weight]), COSINE, ALPHA),
-            density,
-            why="Light is divided by the samples' density: an error in it is one in the picture; "
-            f"roughconductor's own, compared where wi.h is at least {STOCK_KNOWN}.",
-            unit=SCALE,
-            limit=TOLERANCE,
-            judged=JUDGED,
-        )
+
+    def reproduce(at):
+        shown = sweep.shown(at)
+        return [{n: shown[n] for n in ("wi", "wo", "alpha")} | {"count": counts[at[0]]}]
+
+    yield make_map(
+        "sample_density",
+        "pdf against Mitsuba",
+        np.stack(densities),
+        (axis("weight", sweep.weights), COSINE, ALPHA),
+        reproduce,
+        why="Light is divided by the samples' density, so an error in it is one in the picture; "
+        f"roughconductor's, {where}",
+        unit=SCALE,
+        limit=TOLERANCE,
+        judged=JUDGED,
+    )
 
 
 def _swapped(inputs: Shown) -> Shown:

@@ -20,21 +20,23 @@ def rows(inputs: Inputs) -> Inputs:
     return {n: np.broadcast_to(v, (count, PARTS[n])) for n, v in shaped.items()}
 
 
-def shader(name: str, inputs: Inputs, masking: str = "paper") -> np.ndarray:
+def shader(
+    name: str, inputs: Inputs, masking: str = "paper", forced: tuple[str, ...] = ()
+) -> np.ndarray:
     """What the GLSL returns, (n, parts) float32.
 
     The lobes that are compiled in are those that a material of these weights and albedo needs, as
-    for a picture; for a function without weights all are.
+    for a picture, and those forced; for a function without weights all are.
     """
     function, given = FUNCTIONS[name], _shaped(inputs)
     defines = frozenset({"D_GGX", "D_BECKMANN", "DIFFUSE"})
     if "weight" in function.inputs:
-        defines = _compiled(given, masking)
+        defines = _compiled(given, masking, forced)
     kept = {n: given[n] for n in function.inputs}
     return probe(function.glsl, kept, function.includes, defines)[:, : function.parts]
 
 
-def _compiled(given: Inputs, masking: str) -> frozenset[str]:
+def _compiled(given: Inputs, masking: str, forced: tuple[str, ...]) -> frozenset[str]:
     """The features that a material with these weights needs."""
     weight, weight_g = given["weight"][0], given.get("weight_g", given["weight"])[0]
     material = Material(
@@ -44,7 +46,7 @@ def _compiled(given: Inputs, masking: str) -> frozenset[str]:
         weight=_ggx_share(weight),
         weight_g=_ggx_share(weight_g),
     )
-    return features(material, Model(masking=masking))
+    return features(material, Model(masking=masking), forced=forced)
 
 
 def _ggx_share(pair: np.ndarray) -> float:

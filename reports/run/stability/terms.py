@@ -30,7 +30,7 @@ TILT = axis("tan(h)/alpha", 10 ** np.linspace(-2, 4, 13), log=True)
 LAST = 1 - 2.0**-24  # the largest float32 below 1
 U = axis("u.x", [0, 1e-7, 1e-4, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999, 1 - 1e-6, LAST])
 F0 = axis("f0", [-0.05, 0, 0.04, 0.5, 0.95, 1, 1.02])
-ANGLE = axis("cosine", [0, *10 ** np.linspace(-6, 0, 25)], log=True)
+ANGLE = axis("cosine", 10 ** np.linspace(-6, 0, 25), log=True)
 SHARES = np.stack([WEIGHTS, 1 - WEIGHTS], axis=1)
 OF_ALPHA = {"alpha": JUDGED["alpha"]}
 Measure = Callable[[np.ndarray, np.ndarray, Inputs], np.ndarray]

@@ -1,0 +1,99 @@
+"""A point to evaluate again, as a user gives it: `brdf alpha=.01 wi=0,0,1 wo=.6,0,.8`."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from reports.stability.functions import FUNCTIONS, PARTS, Inputs
+from scenes.errors import InputError
+
+WHERE = "--at"
+DEFAULTS = {
+    "weight": (1.0, 0.0),
+    "albedo": (0.0, 0.0, 0.0),
+    "f0": (1.0, 1.0, 1.0),
+    "count": (1.0, 1.0, 1.0),
+}
+MASKINGS = ("paper", "smith")
+# Not one call of a function: what is integrated, or looked up.
+INTEGRALS = {
+    "normalised": ("alpha", "weight"),
+    "weak_furnace": ("alpha", "n.v", "weight", "masking"),
+    "white_furnace": ("alpha", "n.v", "weight", "masking"),
+    "scale_bias": ("n.v", "roughness", "weight", "masking"),
+    "radiance_lod": ("size", "w", "density"),
+}
+_PARTS = PARTS | {"n.v": 1, "roughness": 1, "size": 2, "density": 1}
+_ABOVE_0 = ("alpha", "n.v", "roughness")
+_WHOLE = ("index", "points", "count", "size")
+
+
+@dataclass(frozen=True)
+class Point:
+    """A function and its inputs: (parts,) float32 by name, and the masking."""
+
+    name: str
+    inputs: Inputs
+    masking: str = "paper"
+
+
+def point(text: str) -> Point:
+    """Read a point.
+
+    Raises:
+        InputError: it names no function, or inputs that the function has not or that are no
+            numbers of its kind, or leaves one out.
+    """
+    name, *given = text.split() or [""]
+    known = {n: f.inputs for n, f in FUNCTIONS.items()} | INTEGRALS
+    if name not in known:
+        remedy = f"use one of {', '.join(known)}"
+        raise InputError(WHERE, "", f"there is no function '{name}'", remedy)
+    takes = [*known[name], *(["masking"] if name in ("brdf", "G_mixture") else [])]
+    found: dict[str, tuple[float, ...]] = {}
+    masking = "paper"
+    for part in given:
+        key, equals, value = part.partition("=")
+        if not equals or key not in takes:
+            remedy = f"give its inputs as {', '.join(f'{t}=...' for t in dict.fromkeys(takes))}"
+            raise InputError(WHERE, name, f"has no input '{key}'", remedy)
+        if key == "masking":
+            masking = _masking(name, value)
+        else:
+            found[key] = _numbers(f"{name} {key}", key, value)
+    found.setdefault("weight_g", found.get("weight", DEFAULTS["weight"]))
+    for key in known[name]:
+        if key != "masking" and key not in found and key not in DEFAULTS:
+            raise InputError(WHERE, name, f"lacks its input {key}", f"add {key}=...")
+    kept = {k: found.get(k, DEFAULTS.get(k)) for k in known[name] if k != "masking"}
+    return Point(name, {k: np.float32(v) for k, v in kept.items()}, masking)
+
+
+def _masking(name: str, value: str) -> str:
+    if value not in MASKINGS:
+        raise InputError(WHERE, f"{name} masking", f"'{value}' is no masking", "use paper or smith")
+    return value
+
+
+def _numbers(where: str, key: str, value: str) -> tuple[float, ...]:
+    try:
+        numbers = tuple(float(x) for x in value.split(","))
+    except ValueError:
+        numbers = (math.nan,)
+    parts = _PARTS[key]
+    if not all(math.isfinite(x) for x in numbers):
+        what = "a number" if parts == 1 else f"{parts} numbers, parted by commas"
+        raise InputError(WHERE, where, f"'{value}' is no number", f"give {what}")
+    if "weight" in key and len(numbers) == 1:
+        numbers = (numbers[0], 1 - numbers[0])
+    if len(numbers) != parts:
+        problem = f"has {len(numbers)} numbers"
+        raise InputError(WHERE, where, problem, f"give {parts}, parted by commas")
+    if key in _ABOVE_0 and not 0 < numbers[0] <= 1:
+        raise InputError(WHERE, where, f"{value} lies outside of (0, 1]", "give one within")
+    if key in _WHOLE and not all(x == int(x) and 0 <= x <= 2**24 for x in numbers):
+        raise InputError(WHERE, where, f"{value} counts nothing", "give whole numbers up to 2^24")
+    if key == "size" and not all(1 <= x <= 16384 for x in numbers):
+        raise InputError(WHERE, where, f"{value} is no size", "give two numbers of 1 to 16,384")
+    return numbers
