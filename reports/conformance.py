@@ -187,7 +187,7 @@ def scale_bias(
     alpha: float,
     weight: tuple[float, float],
     masking: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
-    points: int = 128,
+    points: int = 64,
 ) -> np.ndarray:
     """The split sum's scale and bias for F0, (2,): Karis 2013, second sum, as an integral.
 

@@ -32,7 +32,7 @@ def compare(
 
 
 @app.command()
-@takes_job(*EVERY, brief=True)
+@takes_job(*EVERY, "verdict_only", brief=True)
 def gate(job, json: JsonOption = False) -> None:
     """Compare, and exit with 1 unless every row meets its budget.
 
@@ -62,7 +62,7 @@ def _compare(job, json: bool):
     from reports.terminal import print_results
 
     results = run(job)
-    page = _page(results, job.out)
+    page = None if job.verdict_only else _page(results, job.out)
     write_junit(results, job.out / "junit.xml")
     annotate(results, job.out / "summary.md")
     save_results(results, job.out / "results.json")
@@ -70,7 +70,8 @@ def _compare(job, json: bool):
         typer.echo(results.model_dump_json(indent=1))
     else:
         print_results(results, console)
-        console.print(f"report: {page.resolve()}", soft_wrap=True)
+        if page:
+            console.print(f"report: {page.resolve()}", soft_wrap=True)
     return results
 
 

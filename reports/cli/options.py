@@ -33,6 +33,10 @@ ClusterOption = Annotated[
     str | None,
     typer.Option(help="Path-trace on the workers of this Dask scheduler, tcp://host:port."),
 ]
+VerdictOption = Annotated[
+    bool,
+    typer.Option("--verdict-only", help="No report, no times, and no figures but those judged."),
+]
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the results as JSON, nothing else.")
 ]
@@ -49,6 +53,7 @@ def make_job(
     timeout: TimeoutOption = 600,
     frozen: FrozenOption = False,
     cluster: ClusterOption = None,
+    verdict_only: VerdictOption = False,
     brief: bool = False,
 ):
     """The job that options describe.
@@ -61,7 +66,7 @@ def make_job(
 
     outside = outside_candidate(candidate, timeout) if candidate else None
     command = shlex.join(["shadeproof", *sys.argv[1:]])
-    return Job(suite, out, store, filter, outside, command, frozen, cluster, brief)
+    return Job(suite, out, store, filter, outside, command, frozen, cluster, brief, verdict_only)
 
 
 def takes_job(*names: str, **values: Any) -> Callable[[Callable], Callable]:

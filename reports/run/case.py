@@ -69,7 +69,9 @@ def run_entry(
         rows += judged
         for name, own in source.truths.items():
             truths[name] = [truth_of(b, own) for b in batches]
-    if job.brief:  # of what meets its budget no more is said
+    if job.verdict_only:
+        told = set()
+    elif job.brief:  # of what meets its budget no more is said
         told = {(r.technique, r.object) for r in rows if r.verdict in ("fail", "inconclusive")}
     else:
         told = {(r.technique, r.object) for r in rows}

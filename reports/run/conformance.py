@@ -31,7 +31,7 @@ ALLOWED = {
     "samples": 1e-4,
     "densities": 1e-3,
 }
-PLACES = 24  # of a map or table that are looked at; fewer where the light has more cells
+PLACES = 16  # of a map or table that are looked at; fewer where the light has more cells
 AFFORDED, FEWEST_PLACES = 40_000, 6
 QUIETER = 0.25  # a map's samples are regular and filtered: a quarter of random ones' noise, at most
 FIRST_UNIT = 8  # texture units below are the probe's own
@@ -227,7 +227,7 @@ def of_own_table(material: Material) -> Conformance:
     (texels,) = _texels(brdf_table.smith_table(material).texture)
     weight, weight_g = ((w, 1 - w) for w in (material.weight, material.masking_weight))
     masking = defined.smith(material.alpha, weight_g)
-    columns = range(8, len(texels), 17)
+    columns = range(8, len(texels), 29)
     theirs = [
         defined.scale_bias((c + 0.5) / len(texels), material.alpha, weight, masking)
         for c in columns

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from reference.executor import check_address, connect
 from reference.settings import TRUTHS, Kind
-from renderer.draw import Renderer
+from renderer.draw import REPEATS, Renderer
 from renderer.features import technique
 from reports import gate
 from reports.candidates import Candidate
@@ -32,6 +32,7 @@ class Job:
         frozen: use the references that are stored, and trace nothing.
         cluster: the Dask scheduler whose workers trace their batches; this process if None.
         brief: of what meets its budget, measure no more than the verdict needs.
+        verdict_only: of nothing measure more than that, and time nothing.
     """
 
     suite_name: str
@@ -43,6 +44,7 @@ class Job:
     frozen: bool = False
     cluster: str | None = None
     brief: bool = False
+    verdict_only: bool = False
     suite: Suite = field(init=False)
     path: Path = field(init=False)
     entries: list[Entry] = field(init=False)
@@ -106,7 +108,8 @@ class Job:
         """What draws an entry's case, by technique."""
         if self.outside:
             return {OUTSIDE: self.outside}
-        return {name: Renderer(technique(name)) for name in entry.techniques}
+        repeats = 0 if self.verdict_only else REPEATS
+        return {name: Renderer(technique(name), repeats) for name in entry.techniques}
 
     def expected(self, entries: list[Entry]) -> list[Missing]:
         """Every row that the suite asks for in some of its entries."""
