@@ -110,24 +110,11 @@ def make_map(
 
 
 def _rounded(values: np.ndarray) -> np.ndarray:
-    """To three digits, as maps are read; the worst point keeps all of its own."""
-    return np.vectorize(lambda x: x if x is None else float(f"{x:.3g}"), otypes=[object])(values)
+    """To three digits, near 1 of the departure from it; the worst point keeps all of its own."""
 
+    def rounded(x: float | None) -> float | None:
+        if x is None or not 0 < abs(x - 1) < 0.1:
+            return x if x is None else float(f"{x:.3g}")
+        return 1 + float(f"{x - 1:.3g}")
 
-def _worst(function: str, value: float, evaluations: list[Shown]) -> Worst:
-    """The worst point; its inputs are those of the first evaluation."""
-    told = [{k: as_text(v) for k, v in inputs.items()} for inputs in evaluations]
-    return Worst(value=value, inputs=told[0], command=command(function, *told))
-
-
-def command(function: str, *evaluations: dict[str, str]) -> str:
-    """What reproduces evaluations of a function at inputs given as text."""
-    points = (" ".join([function, *(f"{k}={v}" for k, v in e.items())]) for e in evaluations)
-    return " ".join(["shadeproof stability", *(f"--at {shlex.quote(p)}" for p in points)])
-
-
-def as_text(value: object) -> str:
-    """An input as a command takes it: numbers with all digits of a float32, parted by commas."""
-    if isinstance(value, str):
-        return value
-    return ",".join(f"{float(x):.9g}" for x in np.atleast_1d(value))
+    return np.vectorize(rounded, otypes=[object])(values)
