@@ -118,3 +118,22 @@ def _rounded(values: np.ndarray) -> np.ndarray:
         return 1 + float(f"{x - 1:.3g}")
 
     return np.vectorize(rounded, otypes=[object])(values)
+
+
+def _worst(function: str, value: float, evaluations: list[Shown]) -> Worst:
+    """The worst point; its inputs are those of the first evaluation."""
+    told = [{k: as_text(v) for k, v in inputs.items()} for inputs in evaluations]
+    return Worst(value=value, inputs=told[0], command=command(function, *told))
+
+
+def command(function: str, *evaluations: dict[str, str]) -> str:
+    """What reproduces evaluations of a function at inputs given as text."""
+    points = (" ".join([function, *(f"{k}={v}" for k, v in e.items())]) for e in evaluations)
+    return " ".join(["shadeproof stability", *(f"--at {shlex.quote(p)}" for p in points)])
+
+
+def as_text(value: object) -> str:
+    """An input as a command takes it: numbers with all digits of a float32, parted by commas."""
+    if isinstance(value, str):
+        return value
+    return ",".join(f"{float(x):.9g}" for x in np.atleast_1d(value))
