@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema
+from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, field_validator
 
 from reports.record import Record, load, save
 from scenes.suite import Budget
@@ -29,6 +29,13 @@ UNKNOWN = Field(default_factory=lambda: float("nan"))
 UNKNOWN_INTERVAL = Field(default_factory=lambda: (float("nan"),) * 2)
 UNKNOWN_RGB_INTERVALS = Field(default_factory=lambda: ((float("nan"),) * 2,) * 3)
 UNKNOWN_RGB = Field(default_factory=lambda: (float("nan"),) * 3)
+
+
+# What pages read of a run's provenance, beyond what they show as it stands.
+TOLD: dict[str, dict[str, type]] = {
+    "parity": {"name": str, "passed": bool, "detail": str},
+    "references": {"code": str, "mitsuba": str, "drjit": str, "ours": bool},
+}
 
 
 class Row(Record):
@@ -193,6 +200,20 @@ class Results(Record):
     ladders: list[Ladder] = Field(default_factory=list)
     verdict: Literal["pass", "fail"]
     reasons: list[str]
+
+    @field_validator("provenance")
+    @classmethod
+    def _told_in_full(cls, provenance: dict[str, Any]) -> dict[str, Any]:
+        for name, fields in TOLD.items():
+            entries = provenance.get(name) or []
+            whole = isinstance(entries, list) and all(
+                isinstance(entry, dict)
+                and all(isinstance(entry.get(field), kind) for field, kind in fields.items())
+                for entry in entries
+            )
+            if not whole:
+                raise ValueError(f"{name} is not a list of {', '.join(fields)}; write it anew")
+        return provenance
 
 
 def save_results(results: Results, path: Path) -> None:

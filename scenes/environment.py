@@ -88,6 +88,14 @@ def read_pixels(path: Path, field: str, size: tuple[int, int] | None = None) -> 
         InputError: the file is missing, is not what its ending says, or cannot be decoded.
     """
     checked_file(path, "name an existing image file", field)
+    try:
+        return _read(path, field, size)
+    except UnicodeDecodeError as error:
+        problem = "is damaged (its header holds what is no text)"
+        raise InputError(path, field, problem, "export it again") from error
+
+
+def _read(path: Path, field: str, size: tuple[int, int] | None) -> np.ndarray:
     image = oiio.ImageInput.open(str(path))
     if image is None:
         reason = oiio.geterror().strip().splitlines() or ["unknown format"]

@@ -2,12 +2,16 @@
 
 import io
 import json
+import logging
 import re
 import struct
 from pathlib import Path
 
 import numpy as np
 import trimesh
+
+# Without a handler Python would print its warnings; what is wrong is told by us.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
 Arrays = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
@@ -26,10 +30,11 @@ def read_mesh(path: Path) -> Arrays:
         _check_ply(data)
     elif kind == "glb":
         _check_glb(data)
-    # A stream without a name, so that trimesh has no folder to look for other files in.
-    scene, count = trimesh.load_scene(io.BytesIO(data), kind, process=False), 0
     vertices, faces, normals = [np.empty((0, 3))], [np.empty((0, 3), int)], [np.empty((0, 3))]
+    count = 0
     with np.errstate(all="ignore"):  # NaN and Inf are for the caller to refuse
+        # A stream without a name, so that trimesh has no folder to look for other files in.
+        scene = trimesh.load_scene(io.BytesIO(data), kind, process=False)
         for node in scene.graph.nodes_geometry:
             matrix, name = scene.graph[node]
             if not isinstance(part := scene.geometry[name], trimesh.Trimesh):

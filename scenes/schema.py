@@ -21,6 +21,8 @@ Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
 Pixels = Annotated[int, Field(gt=0, le=16384, strict=True)]
+# Ten turns either way: float32 keeps a hundredth of a degree of them.
+Degrees = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False, strict=True)]
 Switch = Annotated[bool, Field(strict=True)]
 RGB = tuple[Unit, Unit, Unit]
 Vector = tuple[Finite, Finite, Finite]
@@ -213,7 +215,7 @@ class Environment(Strict):
 
     name: str
     path: Path
-    rotation: Finite = 0.0
+    rotation: Degrees = 0.0
 
 
 class Object(Strict):
@@ -229,7 +231,7 @@ class Object(Strict):
     mesh: str
     material: Material
     position: Vector = (0.0, 0.0, 0.0)
-    rotate: Vector = (0.0, 0.0, 0.0)
+    rotate: tuple[Degrees, Degrees, Degrees] = (0.0, 0.0, 0.0)
     scale: Positive | tuple[Positive, Positive, Positive] = 1.0
     height: Positive | None = None
     judged: Switch = True

@@ -15,8 +15,8 @@ from scenes.schema import (
     PRIMITIVES,
     Camera,
     Case,
+    Degrees,
     Environment,
-    Finite,
     Material,
     Model,
     Object,
@@ -61,7 +61,7 @@ class SceneObject(Strict):
     mesh: str
     material: str | dict[str, Any]
     position: Vector = (0.0, 0.0, 0.0)
-    rotate: Vector = (0.0, 0.0, 0.0)
+    rotate: tuple[Degrees, Degrees, Degrees] = (0.0, 0.0, 0.0)
     scale: Positive | tuple[Positive, Positive, Positive] = 1.0
     height: Positive | None = None
     judged: Switch = True
@@ -108,7 +108,7 @@ class Run(Strict):
 
     scene: str
     environments: Annotated[tuple[str, ...], Field(min_length=1)]
-    rotation: Finite = 0.0
+    rotation: Degrees = 0.0
     materials: tuple[str, ...] = ()
     sweep: Sweep = Sweep()
     resolution: Resolution | None = None

@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from reports.record import Record, load, save
 from reports.results import UNKNOWN, Figure, Figured
@@ -121,6 +121,12 @@ class Growth(Record):
     frames: list[int] = Field(default_factory=list)
     exponent: Figured
     base: Figure = 0.0
+
+    @model_validator(mode="after")
+    def _a_value_for_each_size(self) -> "Growth":
+        if len(self.values) != len(self.sizes) or len(self.frames) not in (0, len(self.sizes)):
+            raise ValueError("sizes, values and frames differ in number; measure it anew")
+        return self
 
 
 class LeftOut(Record):

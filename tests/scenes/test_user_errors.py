@@ -74,6 +74,7 @@ IN_SUITE = [
     (RUN, RUN + "\n[run.sweep]\nroughness = []", "run.0.sweep.roughness", "at least 1"),
     (RUN, RUN + "\n[run.sweep]\nroughness = [true]", "run.0.sweep.roughness.0", "give a number"),
     (RUN, "environments = []", "run.0.environments", "at least 1"),
+    (RUN, RUN + "\nrotation = 1e308", "run.0.rotation", "up to 3600"),
     (RUN, RUN + "\nrotation = nan", "run.0.rotation", "finite"),
     (RUN, RUN + "\nresolution = [64, 0]", "run.0.resolution.1", "greater than 0"),
     (RUN, RUN + '\nmaterials = ["coper"]', "run.0.materials", "copper"),
