@@ -4,7 +4,7 @@ for (const atlas of document.querySelectorAll(".atlas")) {
   const across = axes.columns.length;
   const up = axes.rows.length;
   const boxes = [...atlas.querySelectorAll(".cells")];
-  const figures = boxes.map((box) => box.dataset.cells.split(" "));
+  const figures = boxes.map((box) => box.dataset.cells.split(";"));
   const output = atlas.querySelector("output");
   const cursor = document.createElement("i");
   cursor.className = "cursor";
@@ -15,7 +15,7 @@ for (const atlas of document.querySelectorAll(".atlas")) {
     const { slice, x, y } = place;
     const figure = figures[slice][y * across + x];
     const inputs = [axes.columns[x], axes.rows[y], axes.slices[slice]].map((v, i) => `${axes.names[i]} ${v}`);
-    output.textContent = `${inputs.join(", ")}: ${figure === "." ? "not tried" : figure}`;
+    output.textContent = `${inputs.join(", ")}: ${figure || "not tried"}`;
     boxes[slice].append(cursor);
     cursor.style.cssText = `left: ${(100 * x) / across}%; bottom: ${(100 * y) / up}%; width: ${100 / across}%; height: ${100 / up}%`;
   };

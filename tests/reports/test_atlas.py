@@ -5,12 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from reports.html.stability.maps import map_view
-from reports.html.stability.scale import CELL, ERRORS, OVER, SHARES, WITHIN, place
+from reports.html.stability.maps import map_views
+from reports.html.stability.scale import CELL, DEPARTURES, ERRORS, OVER, SHARES, WITHIN, place
 from tests.reports.atlases import ALPHAS, COSINES, furnace, made, small, worst
 from tests.reports.pages import pixels
 
 BLACK, WHITE = (0, 0, 0, 255), (255, 255, 255, 255)
+
+
+def map_view(found):
+    (view,) = map_views([found])
+    return view
 
 
 def cells(view, at=0):
@@ -31,6 +36,10 @@ def rgba(colour):
     return (*(int(colour[i : i + 2], 16) for i in (1, 3, 5)), 255)
 
 
+def is_orange(colour):
+    return colour[0] > colour[2]
+
+
 def test_a_cell_has_its_place_and_its_colour():
     view = map_view(small([[1e-9, 1e-6, 1.0], [1e-8, 1e-4, 50.0]], limit=None))
     found = cells(view)
@@ -38,7 +47,7 @@ def test_a_cell_has_its_place_and_its_colour():
     assert colours(found[0, 0]) == [rgba(WITHIN[0])] == colours(found[1, 0])
     assert colours(found[0, 2]) == [rgba(WITHIN[-1])] == colours(found[1, 2])
     assert colours(found[1, 1]) == [rgba(WITHIN[2])]
-    assert view.slices[0].cells == "1e−9 1e−6 1 1e−8 1e−4 50"
+    assert view.slices[0].cells == "1e−9;1e−6;1;1e−8;1e−4;50"
 
 
 def test_larger_is_darker_below_and_above_the_limit():
@@ -55,7 +64,8 @@ def test_what_is_over_its_limit_is_striped_where_it_is_judged_and_dotted_elsewhe
     assert colours(first)[1] == BLACK and (first == second).all()
     assert np.count_nonzero((first == BLACK).all(axis=-1)) == 2 * CELL
     assert 4 <= np.count_nonzero((outside == BLACK).all(axis=-1)) <= 9
-    assert colours(outside)[0] == colours(first)[0] != colours(within)[0]
+    assert colours(outside)[0] == colours(first)[0] and is_orange(colours(first)[0])
+    assert not is_orange(colours(within)[0])
     assert len(colours(within)) == 1
 
 
@@ -68,25 +78,39 @@ def test_what_is_no_number_is_crossed_out_and_what_was_not_tried_is_clear():
 
 
 def test_both_sides_of_a_range_are_over():
-    fields = {"at_least": 0.999, "limit": 1.001, "passed": False, "worst": worst(0.9)}
-    low, right, high = cells(map_view(small([[0.9, 1.0, 1.2]], **fields)))[0]
+    fields = {"limit": 1.001, "passed": False, "worst": worst(0.9)}
+    view = map_view(small([[0.9, 1.0, 1.2]], at_least=0.999, **fields))
+    low, right, high = cells(view)[0]
     assert BLACK in colours(low) and BLACK in colours(high) and BLACK not in colours(right)
-    view = map_view(small([[0.9, 1.0, 1.2]], **fields))
-    assert view.limits == [49.95, 50.05] and view.slices[0].cells == "0.9 1 1.2"
+    assert view.slices[0].cells == "0.9;1;1.2" and view.limit == "1 ± 0.001"
+    assert view.limits == [pytest.approx(62.5)] and view.decades
+    low, right, high = cells(map_view(small([[0.2, 1.0, 1.2]], at_least=0.0, **fields)))[0]
+    assert BLACK not in colours(low) and BLACK not in colours(right) and BLACK in colours(high)
 
 
 def test_scales_are_the_same_for_every_map():
     assert [place(ERRORS, v) for v in (0, 1e-8, 1e-4, 1, 7, math.inf)] == [0, 0, 50, 100, 100, 100]
-    assert [place(SHARES, v) for v in (0, 1, 3)] == [0, 50, 100]
+    assert [place(DEPARTURES, v) for v in (1, 0.99, 1.01, 0, 5)] == [0, 75, 75, 100, 100]
+    assert [place(SHARES, v) for v in (0, 1, 3)] == [0, 80, 100]
+
+
+def test_maps_of_one_invariant_share_a_scale():
+    judged = made(at_least=0.999, limit=1.001)
+    told, other = made(limit=None, masking="paper"), made("brdf", "reciprocal")
+    views = map_views([judged, told, other])
+    assert views[0].ticks == views[1].ticks == DEPARTURES.ticks and views[2].ticks == ERRORS.ticks
+    shares = map_views([made(at_least=0.0, limit=1.001)])
+    assert shares[0].ticks == SHARES.ticks and not shares[0].decades
+    assert shares[0].limits == [0, pytest.approx(80.08)]
 
 
 def test_the_limit_is_marked_on_the_scale():
     view = map_view(made(limit=1e-4))
-    assert view.legend_limits == [(50.0, "1e−4")]
+    assert view.limits == [50.0]
     blue, orange = view.legend.split(" 50%, ")[0], view.legend.split(" 50%, ")[1]
     assert rgb(WITHIN[0]) in blue and rgb(OVER[2]) in orange
     alone = map_view(made(limit=None))
-    assert not alone.legend_limits and rgb(WITHIN[-1]) in alone.legend
+    assert not alone.limits and rgb(WITHIN[-1]) in alone.legend
 
 
 def rgb(colour):
@@ -114,6 +138,15 @@ def test_the_worst_point_is_marked_in_its_cell():
                 beyond=None, passed=False)  # fmt: skip
     (mark,) = [(s.label, m.kind) for s in map_view(lost).slices for m in s.marks]
     assert mark == ("weight 0.5", "worst")
+
+
+def test_the_worst_point_is_found_by_its_inputs_where_figures_are_alike():
+    told = worst(1e-6, alpha="0.1", weight="0.25", wo="0.3,0.9,0.001")
+    view = map_view(made(of=lambda *_: 1e-6, judged={}, beyond=None, worst=told))
+    ((label, mark),) = [(s.label, m) for s in view.slices for m in s.marks]
+    assert label == "weight 0.25"
+    at = (100 * 12.5 / len(ALPHAS), 100 - 100 * 6.5 / len(COSINES))
+    assert (mark.x, mark.y) == pytest.approx(at, abs=0.01)
 
 
 def test_axes_are_labelled_with_whole_powers_of_ten():

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from reports.html.stability import stability_of, write_page
-from reports.html.stability.numbers import figure, input_value
+from reports.html.stability.numbers import departure, figure, input_value
 from reports.html.stability.view import headline, stability_view
 from reports.stability.results import Stability, load_stability, save_stability
 from tests.reports.atlases import (
@@ -77,7 +77,7 @@ def test_the_domain_stands_on_top_with_what_is_not_kept_first(page):
 def test_the_summary_is_worst_first_with_the_unlimited_last():
     view = stability_view(full_stability())
     found = [(m.map.function, m.worst, m.limit) for m in view.summary]
-    assert found[:2] == [("sample_ggx", "∞", "0"), ("G_smith_mixture", "0.9969", "0.999 to 1.001")]
+    assert found[:2] == [("sample_ggx", "∞", "0"), ("G_smith_mixture", "1 − 0.0031", "1 ± 0.001")]
     assert found[-1] == ("brdf", "0.02", "")
     assert found[2:6] == [
         ("D_ggx", "1.6e−6", "≤ 1e−4"), ("brdf", "1.6e−6", "≤ 1e−4"),
@@ -124,9 +124,9 @@ def test_what_is_no_number_survives_the_record_and_is_told(tmp_path):
     save_stability(full_stability(maps=maps), tmp_path / "stability.json")
     read = load_stability(tmp_path / "stability.json")
     (view,) = stability_view(read).summary
-    assert view.worst == "NaN" and view.slices[0].cells.split(" ")[0] == "NaN"
+    assert view.worst == "NaN" and view.slices[0].cells.split(";")[0] == "NaN"
     assert "NaN where 0 is allowed" in headline(read)
-    assert view.slices[-1].cells.startswith("∞ ") and view.slices[0].cells.endswith(" .")
+    assert view.slices[-1].cells.startswith("∞;") and view.slices[0].cells.endswith(";")
 
 
 def test_a_damaged_record_is_told_in_the_report_in_a_line(tmp_path):
@@ -175,3 +175,11 @@ def test_figures_keep_their_power_of_ten(value, text):
 )
 def test_inputs_just_below_1_are_told_apart_from_it(value, text):
     assert input_value(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1 - 2.1e-5, "1 − 2.1e−5"), (1.0012, "1 + 0.0012"), (1.0, "1"), (0.4567, "0.457"), (0.0, "0")],
+)
+def test_what_is_about_1_is_told_by_its_departure(value, text):
+    assert departure(value) == text

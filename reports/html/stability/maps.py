@@ -1,18 +1,18 @@
 """A map of the atlas: small pictures by weight, what their cells hold, and the worst point."""
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from reports.html.colour import ramp
 from reports.html.figures import slug
-from reports.html.stability.numbers import figure, input_value, name
-from reports.html.stability.scale import ERRORS, OVER, SHARES, WITHIN, drawn, over, place
+from reports.html.stability.numbers import departure, figure, input_value, name
+from reports.html.stability.scale import OVER, WITHIN, AtlasScale, drawn, over, place, scale_of
 from reports.stability.results import Axis, Map, Worst
 
 TICKS = 4  # on an axis, at most
-SHARE_DIGITS, ERROR_DIGITS = 4, 2
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class WorstView:
 
 @dataclass(frozen=True)
 class MapView:
-    """One map."""
+    """One map; `place`, `limits` and `ticks` are in percent of its scale."""
 
     id: str
     map: Map
@@ -56,10 +56,10 @@ class MapView:
     beyond: str
     over: bool
     place: float
+    decades: bool
     limits: list[float]
     legend: str
     ticks: tuple[tuple[float, str], ...]
-    legend_limits: list[tuple[float, str]]
     slices: list[Slice]
     columns: list[tuple[float, str]]
     rows: list[tuple[float, str]]
@@ -68,9 +68,17 @@ class MapView:
     points: list[tuple[str, WorstView]]
 
 
-def map_view(found: Map) -> MapView:
-    """Everything that the page shows of a map."""
-    scale = SHARES if found.at_least is not None else ERRORS
+def map_views(maps: Sequence[Map]) -> list[MapView]:
+    """Everything that the page shows of maps; those of one invariant share a scale."""
+    ranges: dict[str, list[tuple[float, float]]] = {}
+    for found in maps:
+        allowed = ranges.setdefault(found.invariant, [])
+        if found.at_least is not None and found.limit is not None:
+            allowed.append((found.at_least, found.limit))
+    return [_view(found, scale_of(ranges[found.invariant])) for found in maps]
+
+
+def _view(found: Map, scale: AtlasScale) -> MapView:
     id = slug("map", found.function, found.invariant, *([found.masking] if found.masking else []))
     values = np.array(
         [[[math.nan if v is None else v for v in row] for row in rows] for rows in found.values]
@@ -78,35 +86,35 @@ def map_view(found: Map) -> MapView:
     tried = np.array([[[v is not None for v in row] for row in rows] for rows in found.values])
     inside = _judged(found)
     beyond = over(values, found.at_least, found.limit)
-    digits = SHARE_DIGITS if found.at_least is not None else ERROR_DIGITS
-    limits = [v for v in (found.at_least, found.limit) if v is not None]
+    ends = [place(scale, v) for v in (found.at_least, found.limit) if v is not None]
+    limits = ends[-1:] if scale.decades else ends
     slices, rows, columns = found.axes
-    points = [("Worst", _point(found.worst, f"{id}--worst", digits))]
+    points = [("Worst", _point(found.worst, f"{id}--worst", scale.told))]
     if found.beyond:
-        told = ("Worst outside of it", _point(found.beyond, f"{id}--beyond", digits))
+        told = ("Worst outside of it", _point(found.beyond, f"{id}--beyond", scale.told))
         points.append(told)
-    marks = [_mark(values, tried & inside, found.worst.value, "worst")]
+    marks = [_mark(found, values, tried & inside, found.worst, "worst")]
     if found.beyond:
-        marks.append(_mark(values, tried & ~inside, found.beyond.value, "beyond"))
+        marks.append(_mark(found, values, tried & ~inside, found.beyond, "beyond"))
     return MapView(
         id=id,
         map=found,
         what=found.invariant + (f", masking {found.masking}" if found.masking else ""),
-        worst=figure(found.worst.value, digits),
+        worst=scale.told(found.worst.value),
         limit=limit_text(found.at_least, found.limit),
-        beyond=figure(found.beyond.value, digits) if found.beyond else "",
+        beyond=scale.told(found.beyond.value) if found.beyond else "",
         over=not found.passed,
         place=place(scale, found.worst.value),
-        limits=[place(scale, v) for v in limits],
-        legend=_legend([place(scale, v) for v in limits], found.at_least is not None),
+        decades=scale.decades,
+        limits=limits,
+        legend=_legend(limits),
         ticks=scale.ticks,
-        legend_limits=[(place(scale, v), figure(v, digits)) for v in limits],
         slices=[
             Slice(
                 label=f"{name(slices.name)} {input_value(slices.values[k])}",
                 uri=drawn(values[k], tried[k], beyond[k], inside[k], scale),
                 marks=[m for at, m in filter(None, marks) if at == k],
-                cells=_cells(values[k], tried[k], digits),
+                cells=_cells(values[k], tried[k], scale.told),
             )
             for k in range(len(slices.values))
         ],
@@ -129,7 +137,9 @@ def limit_text(at_least: float | None, limit: float | None) -> str:
         return ""
     if at_least is None:
         return f"≤ {figure(limit)}" if limit else "0"
-    return f"{figure(at_least, SHARE_DIGITS)} to {figure(limit, SHARE_DIGITS)}"
+    if math.isclose(1 - at_least, limit - 1, rel_tol=1e-6):
+        return f"1 ± {figure(limit - 1)}"
+    return f"{departure(at_least)} to {departure(limit)}"
 
 
 def _judged(found: Map) -> np.ndarray:
@@ -138,33 +148,57 @@ def _judged(found: Map) -> np.ndarray:
     for at, axis in enumerate(found.axes):
         low, high = found.judged.get(axis.name, (-math.inf, math.inf))
         kept = [low - abs(low) * 1e-6 <= v <= high + abs(high) * 1e-6 for v in axis.values]
-        inside &= np.array(kept).reshape([-1 if k == at else 1 for k in range(3)])
+        inside &= np.array(kept).reshape(_along(at))
     return inside
 
 
 def _mark(
-    values: np.ndarray, among: np.ndarray, value: float, kind: str
+    found: Map, values: np.ndarray, among: np.ndarray, worst: Worst, kind: str
 ) -> tuple[int, Mark] | None:
-    """The slice and place of the first cell that holds a figure."""
-    same = among & (np.isnan(values) if math.isnan(value) else values == value)
-    if not same.any():
+    """The slice and place of the cell of a worst point, by its inputs and else by its figure."""
+    for at, axis in enumerate(found.axes):
+        wanted = _input(worst, axis.name)
+        if wanted is not None:
+            nearest = np.abs(np.array(axis.values) - wanted).argmin()
+            among = among & (np.arange(len(axis.values)) == nearest).reshape(_along(at))
+    with np.errstate(invalid="ignore"):  # between infinities
+        apart = np.nan_to_num(np.abs(values - worst.value), nan=math.inf)
+    apart[~np.isfinite(values) & (not math.isfinite(worst.value))] = 0
+    apart[~among] = math.nan
+    if np.isnan(apart).all():
         return None
-    k, row, column = np.argwhere(same)[0]
+    k, row, column = np.unravel_index(np.nanargmin(apart), apart.shape)
     _, rows, columns = values.shape
     x, y = 100 * (column + 0.5) / columns, 100 - 100 * (row + 0.5) / rows
     return int(k), Mark(round(x, 2), round(y, 2), kind)
 
 
-def _point(worst: Worst, id: str, digits: int) -> WorstView:
+def _input(worst: Worst, axis: str) -> float | None:
+    """Where a worst point lies on an axis, if its inputs tell."""
+    if axis == "n.v" and axis not in worst.inputs and "wo" in worst.inputs:
+        text = worst.inputs["wo"].split(",")[-1]  # n is z in the tangent frame
+    else:
+        text = worst.inputs.get(axis, "")
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _along(at: int) -> list[int]:
+    """The shape of what runs along one of three axes."""
+    return [-1 if k == at else 1 for k in range(3)]
+
+
+def _point(worst: Worst, id: str, told: Callable[[float], str]) -> WorstView:
     inputs = ", ".join(f"{name(n)} {v}" for n, v in worst.inputs.items())
-    return WorstView(figure(worst.value, digits), inputs, id, worst.command)
+    return WorstView(told(worst.value), inputs, id, worst.command)
 
 
-def _cells(values: np.ndarray, tried: np.ndarray, digits: int) -> str:
-    """Figures parted by blanks; a dot where nothing was tried."""
-    return " ".join(
-        figure(float(v), digits).replace("\u202f", "") if t else "."
-        for v, t in zip(values.ravel(), tried.ravel(), strict=True)
+def _cells(values: np.ndarray, tried: np.ndarray, told: Callable[[float], str]) -> str:
+    """Figures parted by semicolons; none where nothing was tried."""
+    return ";".join(
+        told(float(v)) if t else "" for v, t in zip(values.ravel(), tried.ravel(), strict=True)
     )
 
 
@@ -194,13 +228,12 @@ def _box(inside: np.ndarray) -> tuple[float, float, float, float]:
     return tuple(round(100 * v, 2) for v in (left, 1 - top, right - left, top - bottom))
 
 
-def _legend(limits: list[float], both: bool) -> str:
+def _legend(limits: Sequence[float]) -> str:
     """The bar of a scale as a CSS image: blue where a figure is allowed, orange where not."""
-    low = limits[0] if both else 0.0
+    low = limits[0] if len(limits) > 1 else 0.0
     high = limits[-1] if limits else 100.0
-    parts = [(0.0, low, OVER), (low, high, WITHIN), (high, 100.0, OVER)]
     stops = []
-    for start, end, colours in parts:
+    for start, end, colours in ((0.0, low, OVER), (low, high, WITHIN), (high, 100.0, OVER)):
         if end > start:
             inner = [p for p in np.linspace(0, 100, len(colours)) if start < p < end]
             stops += [f"{_at(colours, p)} {p:g}%" for p in (start, *inner, end)]

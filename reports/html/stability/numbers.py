@@ -7,6 +7,13 @@ from reports.html.figures import NONE, digits
 NAMES = {"n.v": "n·v", "n.l": "n·l", "h.v": "h·v"}
 
 
+def departure(value: float | None) -> str:
+    """A figure that is about 1 as its departure from it, such as 1 − 2.1e−5."""
+    if value is None or not 0 < abs(value - 1) < 0.0999:
+        return figure(value, 3)
+    return f"1 {'−' if value < 1 else '+'} {figure(abs(value - 1))}"
+
+
 def figure(value: float | None, places: int = 2) -> str:
     """A figure to some digits, such as 3.1e−6; a dash where nothing was tried."""
     if value is None:
@@ -15,24 +22,19 @@ def figure(value: float | None, places: int = 2) -> str:
         return "NaN"
     if math.isinf(value):
         return "−∞" if value < 0 else "∞"
+    value = float(f"{value:.{places}g}")
     if value == 0 or 1e-3 <= abs(value) < 1e4:
-        return digits(float(f"{value:.{places}g}")) if places < 3 else _plain(f"{value:.{places}g}")
+        return digits(value)
     mantissa, power = f"{value:.{places - 1}e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
-    return _plain(f"{mantissa}e{int(power)}")
+    return f"{mantissa}e{int(power)}".replace("-", "−")
 
 
 def input_value(value: float) -> str:
     """A value on an axis; what is just below 1 as such."""
-    if 0 < 1 - value < 1e-3:
-        return f"1 − {figure(1 - value)}"
-    return figure(value, 3)
+    return departure(value) if 0 < 1 - value < 1e-3 else figure(value, 3)
 
 
 def name(of: str) -> str:
     """An input as it is written in the field."""
     return NAMES.get(of, of)
-
-
-def _plain(text: str) -> str:
-    return text.replace("-", "−")

@@ -5,13 +5,15 @@ is promised a cell over it is striped, elsewhere dotted, and one that is no numb
 so that nothing is told by colour alone.
 """
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from reports.html.colour import ramp
 from reports.html.png import indexed
+from reports.html.stability.numbers import departure, figure
 
 CELL = 8  # px of a cell in the picture
 STEPS = 33  # four for each power of ten
@@ -27,25 +29,53 @@ MARK, LIGHT = len(PALETTE) - 2, len(PALETTE) - 1
 
 @dataclass(frozen=True)
 class AtlasScale:
-    """Where a figure lies between the ends of a kind of figure, and what stands at these ends."""
+    """Where a figure lies between the ends of a kind of figure, and what stands at these ends.
+
+    Attributes:
+        place: figures to places, 0 to 1 and beyond.
+        ticks: places in percent and labels.
+        told: a figure as text.
+        decades: whether places are powers of ten, from 1e-8 to 1.
+    """
 
     place: Callable[[np.ndarray], np.ndarray]
     ticks: tuple[tuple[float, str], ...]
+    told: Callable[[float], str]
+    decades: bool = True
 
 
 def _logarithmic(values: np.ndarray) -> np.ndarray:
     return (np.log10(np.maximum(values, 1e-8)) + 8) / 8
 
 
-def _linear(values: np.ndarray) -> np.ndarray:
-    return values / 2
-
-
 ERRORS = AtlasScale(
     _logarithmic,
     ((0, "1e−8 or less"), (25, "1e−6"), (50, "1e−4"), (75, "1e−2"), (100, "1 or more")),
+    told=figure,
 )
-SHARES = AtlasScale(_linear, ((0, "0"), (50, "1"), (100, "2 or more")))
+DEPARTURES = AtlasScale(
+    lambda values: _logarithmic(np.abs(values - 1)),
+    ((0, "1 exactly"), (25, "±1e−6"), (50, "±1e−4"), (75, "±1e−2"), (100, "±1 or more")),
+    told=departure,
+)
+MOST = 1.25
+SHARES = AtlasScale(
+    lambda values: values / MOST,
+    ((0, "0"), (40, "0.5"), (80, "1"), (100, f"{MOST} or more")),
+    told=departure,
+    decades=False,
+)
+
+
+def scale_of(ranges: Iterable[tuple[float, float]]) -> AtlasScale:
+    """The scale of figures by the ranges that any of them is allowed.
+
+    A range around 1 is about departures from 1, another one about shares of a whole; without one
+    they are errors.
+    """
+    for low, high in ranges:
+        return DEPARTURES if math.isclose(1 - low, high - 1, rel_tol=1e-6) else SHARES
+    return ERRORS
 
 
 def place(scale: AtlasScale, value: float) -> float:
@@ -71,7 +101,7 @@ def drawn(
         judged: where the limit is promised.
     """
     finite = np.isfinite(values)
-    share = np.clip(scale.place(np.where(finite, values, 0)), 0, 1)
+    share = np.clip(scale.place(np.where(finite, values, 1)), 0, 1)
     colour = 1 + np.round(share * (STEPS - 1)).astype(np.uint8) + STEPS * beyond.astype(np.uint8)
     broken = tried & ~finite
     colour[broken] = MARK

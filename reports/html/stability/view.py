@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.html.figures import NONE, seconds, slug
-from reports.html.stability.maps import MapView, map_view
+from reports.html.stability.maps import MapView, map_views
 from reports.html.stability.numbers import figure, input_value, name
 from reports.html.trust import Fact, versions_of
 from reports.stability.results import HardCase, Map, Promise, Stability
@@ -64,7 +64,7 @@ class StabilityView:
 
 def stability_view(found: Stability) -> StabilityView:
     """Everything that the section shows."""
-    summary = [map_view(m) for m in sorted(found.maps, key=_urgency)]
+    summary = map_views(sorted(found.maps, key=_urgency))
     return StabilityView(
         headline=headline(found),
         state="pass" if found.passed else "fail",
