@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from reports.attack.limits import EVERY, Limit, Point
 from reports.results import Row
 from reports.run.limits.judging import VERDICTS, Gate, Place, clearance
 from scenes.frame import Frame
+from scenes.schema import Case
 
 # A row that passes by so many half widths of the whole pool's interval passes by every set. A set
 # of a quarter of the pool has twice the half width, some 4.5 standard errors, and moves by 3.
@@ -38,8 +40,9 @@ class Seen:
     def frame(self, size: float, number: int, label: str) -> Frame:
         """The wrong picture of a case."""
         if (at := (size, number, label)) not in self.frames:
-            case = self.error.case(self.gate.pools[number].entry.case, self.sign * size)
-            drawn = Renderer(technique(label), repeats=0).render(case)
+            right = self.gate.pools[number].entry.case
+            case = self.error.case(right, self.sign * size)
+            drawn = _drawn_right(right, label) if case is right else _drawn(case, label)
             self.frames[at] = replace(drawn, rgb=self.error.picture(drawn.rgb, self.sign * size))
         return self.frames[at]
 
@@ -67,13 +70,18 @@ class Seen:
         return self.without_noise[label]
 
     def sets(self, size: float, labels: list[str]) -> np.ndarray:
-        """The outcome of every set: of each row that could be other than passed, worst first."""
+        """The outcome of every set: of each row that could make it worse, worst row first.
+
+        A row that the whole pool has within its budget could only make it inconclusive: against
+        its failing stand more than four standard errors.
+        """
         rows = {p: clearance(r)[0] for label in labels for p, r in self.rows(size, label).items()}
         near = sorted((p for p in rows if rows[p] > -FAR), key=rows.get, reverse=True)
         outcomes = np.full(len(self.orders), PASSED)
         for place in near:
             frame = self.frame(size, place.pool, place.technique)
-            for number in np.flatnonzero(outcomes != CAUGHT):
+            most = CAUGHT if rows[place] > 0 else INCONCLUSIVE
+            for number in np.flatnonzero(outcomes < most):
                 if (at := (size, place, number)) not in self.verdicts:
                     row = self.gate.row(place, frame, self.orders[number])
                     self.verdicts[at] = VERDICTS[row.verdict]
@@ -121,6 +129,13 @@ class Seen:
         )
         place, _ = seen.most_common(1)[0]
         return place, clearance(self.rows(often[0], place.technique)[place])[1]
+
+
+def _drawn(case: Case, label: str) -> Frame:
+    return Renderer(technique(label), repeats=0).render(case)
+
+
+_drawn_right = cache(_drawn)  # for errors of the picture alone
 
 
 def _point(size: float, curve: Curve) -> Point:
