@@ -1,7 +1,7 @@
 """Hard frames: inputs that are known to break renderers, each with what must hold and why.
 
-Rows stand by kind in hard_light, hard_meshes, hard_images and hard_materials; reports.run.hard_frames
-draws them with every technique.
+Rows stand by kind in hard_light, hard_meshes, hard_images and hard_materials;
+reports.run.hard_frames draws them with every technique.
 """
 
 from collections.abc import Callable, Mapping
@@ -32,12 +32,12 @@ class Hard:
     """One hard case. Whatever else must hold, no pixel is NaN, Inf or negative.
 
     Attributes:
-        case: makes it; what it writes must not depend on the folder's name.
+        case: makes it, with its files in a folder that all cases share.
         expect: makes the picture that it must show, if that is known.
         within: by technique, the most that the picture may be off (`off`); others are not compared.
         interior: compare only where all neighbours show the same object.
         between: the least and the most radiance of objects' pixels.
-        brightest: what the brightest pixel of the picture must reach.
+        brightest: what the brightest pixel of every picture must reach.
         silhouette: the share of pixels that may show another object than in Mitsuba; None where
             that is not compared.
         energy: by technique, how far the light on the objects may be from Mitsuba's `unoccluded`,

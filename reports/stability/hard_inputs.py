@@ -1,5 +1,6 @@
 """What hard cases are made of: maps, meshes and materials, written into a folder."""
 
+import hashlib
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
@@ -45,10 +46,12 @@ def lit(path: Path, *things: Thing, rotation: float = 0.0, **fields: Any) -> Cas
     )
 
 
-def write_map(folder: Path, name: str, radiance: np.ndarray) -> Path:
-    """Write a radiance map (H, W, 3) as float32 EXR."""
+def write_map(folder: Path, radiance: np.ndarray) -> Path:
+    """Write a radiance map (H, W, 3) as float32 EXR, named by its content as all these files."""
     pixels = np.ascontiguousarray(radiance, np.float32)
-    path = folder / f"{name}.exr"
+    path = folder / f"{_digest(repr(pixels.shape).encode() + pixels.tobytes())}.exr"
+    if path.is_file():
+        return path
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, oiio.FLOAT)
     image = oiio.ImageOutput.create(str(path))
     if not (image.open(str(path), spec) and image.write_image(pixels) and image.close()):
@@ -58,14 +61,14 @@ def write_map(folder: Path, name: str, radiance: np.ndarray) -> Path:
 
 def constant(folder: Path, radiance: float, size: tuple[int, int] = (16, 32)) -> Path:
     """A map of one radiance; `size` is rows and columns."""
-    return write_map(folder, f"constant-{radiance:g}-{size}", np.full((*size, 3), radiance))
+    return write_map(folder, np.full((*size, 3), radiance))
 
 
 def sky(folder: Path, factor: float = 1.0, mirrored: bool = False) -> Path:
     """An ordinary map: coloured, uneven, with nothing that is hard about it."""
     pixels = factor * np.random.default_rng(0).uniform(0.5, 1.5, (16, 32, 3))
     pixels = pixels[:, ::-1] if mirrored else pixels  # x to -x: the azimuth changes its sign
-    return write_map(folder, f"sky-{factor:g}-{mirrored}", pixels)
+    return write_map(folder, pixels)
 
 
 def under_sky(*things: Thing, **fields: Any) -> Callable[[Path], Case]:
@@ -75,7 +78,6 @@ def under_sky(*things: Thing, **fields: Any) -> Callable[[Path], Case]:
 
 def write_ply(
     folder: Path,
-    name: str,
     vertices: Iterable[Iterable[float]],
     faces: Iterable[Iterable[int]],
     normals: Iterable[Iterable[float]] | None = None,
@@ -92,9 +94,14 @@ def write_ply(
     lines += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
     lines += [" ".join(map(repr, row)) for row in table.tolist()]
     lines += ["3 " + " ".join(map(str, face)) for face in faces.tolist()]
-    path = folder / f"{name}.ply"
-    path.write_text("\n".join(lines) + "\n")
+    text = "\n".join(lines) + "\n"
+    path = folder / f"{_digest(text.encode())}.ply"
+    path.write_text(text)
     return str(path.absolute())
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:16]
 
 
 def lump() -> tuple[np.ndarray, np.ndarray]:
