@@ -8,7 +8,7 @@ import numpy as np
 
 from reports.html.colour import ramp
 from reports.html.figures import slug
-from reports.html.stability.numbers import departure, figure, input_value, name
+from reports.html.stability.numbers import figure, input_value, name
 from reports.html.stability.scale import OVER, WITHIN, AtlasScale, drawn, over, place, scale_of
 from reports.stability.results import Axis, Map, Worst
 
@@ -100,9 +100,9 @@ def _view(found: Map, scale: AtlasScale) -> MapView:
         id=id,
         map=found,
         what=found.invariant + (f", masking {found.masking}" if found.masking else ""),
-        worst=scale.told(found.worst.value),
+        worst=scale.told(found.worst.value, 3),
         limit=limit_text(found.at_least, found.limit),
-        beyond=scale.told(found.beyond.value) if found.beyond else "",
+        beyond=scale.told(found.beyond.value, 3) if found.beyond else "",
         over=not found.passed,
         place=place(scale, found.worst.value),
         decades=scale.decades,
@@ -139,7 +139,7 @@ def limit_text(at_least: float | None, limit: float | None) -> str:
         return f"≤ {figure(limit)}" if limit else "0"
     if math.isclose(1 - at_least, limit - 1, rel_tol=1e-6):
         return f"1 ± {figure(limit - 1)}"
-    return f"{departure(at_least)} to {departure(limit)}"
+    return f"{figure(at_least, 4)} to {figure(limit, 4)}"
 
 
 def _judged(found: Map) -> np.ndarray:
@@ -190,15 +190,15 @@ def _along(at: int) -> list[int]:
     return [-1 if k == at else 1 for k in range(3)]
 
 
-def _point(worst: Worst, id: str, told: Callable[[float], str]) -> WorstView:
+def _point(worst: Worst, id: str, told: Callable[[float, int], str]) -> WorstView:
     inputs = ", ".join(f"{name(n)} {v}" for n, v in worst.inputs.items())
-    return WorstView(told(worst.value), inputs, id, worst.command)
+    return WorstView(told(worst.value, 3), inputs, id, worst.command)
 
 
-def _cells(values: np.ndarray, tried: np.ndarray, told: Callable[[float], str]) -> str:
+def _cells(values: np.ndarray, tried: np.ndarray, told: Callable[[float, int], str]) -> str:
     """Figures parted by semicolons; none where nothing was tried."""
     return ";".join(
-        told(float(v)) if t else "" for v, t in zip(values.ravel(), tried.ravel(), strict=True)
+        told(float(v), 2) if t else "" for v, t in zip(values.ravel(), tried.ravel(), strict=True)
     )
 
 

@@ -7,11 +7,11 @@ from reports.html.figures import NONE, digits
 NAMES = {"n.v": "n·v", "n.l": "n·l", "h.v": "h·v"}
 
 
-def departure(value: float | None) -> str:
+def departure(value: float | None, places: int = 2) -> str:
     """A figure that is about 1 as its departure from it, such as 1 − 2.1e−5."""
     if value is None or not 0 < abs(value - 1) < 0.0999:
-        return figure(value, 3)
-    return f"1 {'−' if value < 1 else '+'} {figure(abs(value - 1))}"
+        return figure(value, max(places, 3))
+    return f"1 {'−' if value < 1 else '+'} {figure(abs(value - 1), places)}"
 
 
 def figure(value: float | None, places: int = 2) -> str:

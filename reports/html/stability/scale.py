@@ -34,13 +34,13 @@ class AtlasScale:
     Attributes:
         place: figures to places, 0 to 1 and beyond.
         ticks: places in percent and labels.
-        told: a figure as text.
+        told: a figure to some digits, as text.
         decades: whether places are powers of ten, from 1e-8 to 1.
     """
 
     place: Callable[[np.ndarray], np.ndarray]
     ticks: tuple[tuple[float, str], ...]
-    told: Callable[[float], str]
+    told: Callable[[float, int], str]
     decades: bool = True
 
 
