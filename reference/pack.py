@@ -7,6 +7,7 @@ same references give the same bytes:
     manifest.json    schema, suite, date, references, and the SHA-256 of every other member
 """
 
+import errno
 import hashlib
 import json
 import os
@@ -38,6 +39,7 @@ SCHEMA = 1
 MANIFEST = "manifest.json"
 MEMBER = re.compile(r"[0-9a-f]{64}/(reference\.json|(background|batch-\d{3,9})\.(exr|json))")
 EPOCH = (1980, 1, 1, 0, 0, 0)  # the first time a zip can hold
+UNSOUND = "is no sound pack (damaged, or no pack)"
 AGAIN = "fetch or make the pack again"
 Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 
@@ -205,11 +207,15 @@ def _complaints(path: Path):
     """Whatever is wrong inside a pack becomes one line."""
     try:
         yield
+    except OSError as error:
+        if error.errno != errno.EINVAL:  # that is a place in the file that cannot be
+            raise
+        raise InputError(path, "", UNSOUND, AGAIN) from error
     except UnsoundError as error:
         raise InputError(path, "", f"is no sound pack ({error})", AGAIN) from error
     except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, TypeError, LookupError, EOFError,
             RuntimeError, NotImplementedError, struct.error, OverflowError) as error:  # fmt: skip
-        raise InputError(path, "", "is no sound pack (damaged, or no pack)", AGAIN) from error
+        raise InputError(path, "", UNSOUND, AGAIN) from error
 
 
 def _manifest(file: zipfile.ZipFile, size: int) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Lat-long radiance maps, decoded, checked and sanitised once for both renderers."""
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -98,8 +99,9 @@ def read_pixels(path: Path, field: str, size: tuple[int, int] | None = None) -> 
 def _read(path: Path, field: str, size: tuple[int, int] | None) -> np.ndarray:
     image = oiio.ImageInput.open(str(path))
     if image is None:
-        reason = oiio.geterror().strip().splitlines() or ["unknown format"]
-        problem = f"cannot be read ({reason[-1].strip().strip('.')})"
+        said = oiio.geterror().strip().splitlines() or ["unknown format"]
+        reason = re.sub(r"EXR Error \(.*?\): |EXR_ERR_\w+ ", "", said[-1]).strip(' ."')
+        problem = f"cannot be read ({reason})"
         raise InputError(path, field, problem, "export it again")
     try:
         spec = image.spec()

@@ -43,8 +43,9 @@ def find(
         except (OSError, ValueError):  # a name too long, or one that no file can have
             break
     if by_path:
-        problem = f"no such file: {repr(str(places[0]))[1:-1]}"
-        raise InputError(where, field, problem, f"a path starts at {home}")
+        problem = f"{_no_file(places[0])}: {repr(str(places[0]))[1:-1]}"
+        remedy = "check the path" if Path(name).is_absolute() else f"a path starts at {home}"
+        raise InputError(where, field, problem, remedy)
     known = [*primitives, *sorted({p.stem for e in endings for p in shelf.glob(f"*{e}")})]
     remedy = f"use one of {', '.join(known)}, or a path that ends in {' or '.join(endings)}"
     raise InputError(where, field, f"unknown name {reprlib.repr(name)}", remedy)
@@ -56,16 +57,20 @@ def checked_file(path: Path, remedy: str = "check the path", field: str = "") ->
     Raises:
         InputError: there is none, or it is something else.
     """
+    if problem := _no_file(path):
+        raise InputError(path, field, problem, remedy)
+    return path
+
+
+def _no_file(path: Path) -> str:
+    """Why a path is that of no file; empty if it is one."""
     try:
         if path.is_file():
-            return path
-        found = path.exists()
+            return ""
+        found, folder = path.exists(), path.is_dir()
     except (OSError, ValueError):  # folders that may not be entered; names that no file can have
-        found = False
-    problem = (
-        "is a folder" if found and path.is_dir() else "is no file" if found else "no such file"
-    )
-    raise InputError(path, field, problem, remedy)
+        return "no such file"
+    return "is a folder" if folder else "is no file" if found else "no such file"
 
 
 def read_text(path: Path, remedy: str = "check the path") -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 
 from scenes.errors import InputError
-from scenes.mesh_file import read_mesh
+from scenes.mesh_file import DamagedError, read_mesh
 from scenes.schema import PRIMITIVES, Object
 
 FORMATS = (".ply", ".obj", ".stl", ".glb")
@@ -52,9 +52,11 @@ def load_mesh(mesh: str) -> Mesh:
         raise InputError(path, "mesh", "unknown format", f"use one of {', '.join(FORMATS)}")
     try:
         vertices, faces, stored = read_mesh(path)
-    except Exception as error:  # each of trimesh's readers raises what it likes
-        problem = f"is damaged, or not a {path.suffix} file"
-        raise InputError(path, "mesh", problem, "export it again") from error
+    except DamagedError as error:
+        raise InputError(path, "mesh", str(error), "export it again, as one file") from error
+    except OSError as error:
+        problem = f"cannot be read ({error.strerror})"
+        raise InputError(path, "mesh", problem, "check its permissions") from error
     if len(faces) == 0 or len(vertices) == 0:
         raise InputError(path, "mesh", "has no triangles", "give a mesh with at least one triangle")
     if bad := int((~(np.abs(vertices) <= FURTHEST)).any(axis=1).sum()):

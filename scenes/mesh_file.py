@@ -13,6 +13,11 @@ import trimesh
 # Without a handler Python would print its warnings; what is wrong is told by us.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
+
+class DamagedError(Exception):
+    """What is wrong with a mesh file, in words for its user."""
+
+
 Arrays = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
 
@@ -23,9 +28,23 @@ def read_mesh(path: Path) -> Arrays:
     it names besides (materials, pictures, buffers of their own) might be any file, or no file.
 
     Raises:
-        Exception: the file is damaged; each of trimesh's readers raises what it likes.
+        DamagedError: the file is not what its ending says, or not whole.
+        OSError: it cannot be read.
     """
     data, kind = path.read_bytes(), path.suffix.lower()[1:]
+    if not data:
+        raise DamagedError("is empty")
+    try:
+        return _arrays(data, kind)
+    except DamagedError:
+        raise
+    except Exception as error:  # each of trimesh's readers raises what it likes
+        line = _bad_line(data) if kind == "obj" else 0
+        at = f" (line {line})" if line else ""
+        raise DamagedError(f"is damaged, or not a .{kind} file{at}") from error
+
+
+def _arrays(data: bytes, kind: str) -> Arrays:
     if kind == "ply":
         _check_ply(data)
     elif kind == "glb":
@@ -51,12 +70,26 @@ def read_mesh(path: Path) -> Arrays:
     return np.vstack(vertices), np.vstack(faces), np.vstack(normals) if complete else None
 
 
+def _bad_line(data: bytes) -> int:
+    """The first line of an OBJ with a vertex or a face that is none; 0 if all are."""
+    for number, line in enumerate(data.splitlines(), 1):
+        what, *words = line.split() or [b""]
+        try:
+            if what == b"v" and len([float(word) for word in words]) < 3:
+                return number
+            if what == b"f" and len([int(word.split(b"/")[0]) for word in words]) < 3:
+                return number
+        except ValueError:
+            return number
+    return 0
+
+
 def _check_ply(data: bytes) -> None:
     """Every element of a PLY takes a byte at least."""
     head = data[: data.index(b"end_header")]
     counts = [int(n) for n in re.findall(rb"^\s*element\s+\S+\s+(\S+)", head, re.MULTILINE)]
     if min(counts) < 0 or sum(counts) > len(data):
-        raise ValueError("its header claims more than the file holds")
+        raise DamagedError("is cut short: its header claims more than it holds")
 
 
 def _check_glb(data: bytes) -> None:
@@ -66,9 +99,11 @@ def _check_glb(data: bytes) -> None:
     """
     (size,) = struct.unpack_from("<I", data, 12)
     tree = json.loads(data[20 : 20 + size])
+    if any("uri" in buffer for buffer in tree["buffers"]):
+        raise DamagedError("keeps its triangles in another file")
     counts = [accessor["count"] for accessor in tree["accessors"]]
     if min(counts) < 0 or max(counts) > len(data):
-        raise ValueError("an accessor claims more than the file holds")
+        raise DamagedError("is cut short: an accessor claims more than it holds")
     children = [child for node in tree.get("nodes", ()) for child in node.get("children", ())]
     if len(children) != len(set(children)):
-        raise ValueError("a node has two parents")
+        raise DamagedError("holds a node with two parents")

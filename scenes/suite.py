@@ -198,7 +198,7 @@ def load_suite(name: str) -> tuple[Suite, Path]:
     Raises:
         InputError: no such suite, or a field that does not validate.
     """
-    path = find(name, HERE / "suites", (".toml",), Path.cwd(), "--suite", "suite")
+    path = find(name, HERE / "suites", (".toml",), Path.cwd(), "--suite", "")
     return parse(Suite, read_toml(path), path), path
 
 
