@@ -12,14 +12,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 from scipy.stats import binomtest, norm
 
 SHARE = 0.95  # of the sets, in which an error must be caught
 FINE = 1.02  # ratio of the sizes between which the 95 % point lies in the end
 NEAR = 0.8  # a share from which interpolation is as good as another size
 FIRST_STEP, GROWTH = 1.04, 1.6  # upwards from the noiseless size: 4 %, then larger steps
-LADDER = 10  # halvings from the largest size to the smallest that is tried
+STRIDE, STEPS = 4, 5  # from the largest size down to a thousandth of it
+FIRST_SETS = 20  # of which half must catch an error, or the others are not asked
 PASSED, INCONCLUSIVE, CAUGHT = range(3)
 LEAST_SPREAD = math.log(FINE) / 8  # a curve steeper than the sizes tried is taken for this steep
 
@@ -30,28 +31,32 @@ def draws(pool: int, count: int, seed: int = 0) -> np.ndarray:
     return np.stack([rng.permutation(pool) for _ in range(count)])
 
 
-def noiseless(caught: Callable[[float], bool], largest: float) -> float | None:
-    """The size from which on an error is caught, by halving; None if not even the largest is.
+def noiseless(over: Callable[[float], float], largest: float) -> float | None:
+    """The size from which on an error is caught; None if not even the largest is.
 
     Args:
-        caught: whether a reference without noise shows an error of some size.
+        over: how far an error of some size is beyond its budget, without noise; above 0 it is.
     """
-    ladder = [largest / 2**k for k in range(LADDER, -1, -1)]
-    missed = [k for k, size in enumerate(ladder) if not caught(size)]
+    ladder = [largest / STRIDE**k for k in range(STEPS, -1, -1)]
+    beyond = [over(size) for size in ladder]
+    missed = [k for k, by in enumerate(beyond) if by <= 0]
     if not missed:
         return ladder[0]
-    if missed[-1] == LADDER:
+    if missed[-1] == STEPS:
         return None
-    low, high = ladder[missed[-1]], ladder[missed[-1] + 1]
-    while high / low > FINE:
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if caught(middle) else (middle, high)
-    return high
+    ends = ladder[missed[-1]], ladder[missed[-1] + 1]
+    known = dict(zip(map(math.log, ladder), beyond, strict=True))
+
+    def bounded(log: float) -> float:
+        by = known[log] if log in known else over(math.exp(log))
+        return min(max(by, -10.0), 10.0)
+
+    return math.exp(brentq(bounded, *map(math.log, ends), xtol=math.log(FINE) / 2))
 
 
 @dataclass
 class Curve:
-    """Outcomes by size: of every set PASSED, INCONCLUSIVE or CAUGHT."""
+    """Outcomes by size: of each set that was asked PASSED, INCONCLUSIVE or CAUGHT."""
 
     outcomes: dict[float, np.ndarray] = field(default_factory=dict)
 
@@ -72,12 +77,13 @@ class Curve:
         """
         sizes = np.log(self.sizes)
         caught = np.array([self.share(s) for s in self.sizes])
+        asked = np.array([len(self.outcomes[s]) for s in self.sizes])
         middle = np.interp(0.5, np.maximum.accumulate(caught), sizes)
 
         def surprise(parameters: np.ndarray) -> float:
             scores = (sizes - parameters[0]) / (LEAST_SPREAD + math.exp(parameters[1]))
             told = caught * norm.logcdf(scores) + (1 - caught) * norm.logcdf(-scores)
-            return -float(told.sum())
+            return -float(asked @ told)
 
         found = minimize(surprise, (middle, math.log(0.03)), method="Nelder-Mead").x
         return float(found[0]), LEAST_SPREAD + math.exp(found[1])
@@ -108,19 +114,22 @@ class Curve:
         return found, low, max(found * reach, often[0])
 
 
-def traced(judge: Callable[[float], np.ndarray], start: float, largest: float) -> Curve:
+def traced(judge: Callable[[float, slice], np.ndarray], start: float, largest: float) -> Curve:
     """The curve around its 95 % point.
 
     Upwards from `start` in growing steps until an error is caught often enough, then halving, then
     downwards until it is caught in less than half of the sets.
 
     Args:
-        judge: the outcome of every set for an error of some size.
+        judge: the outcomes of some of the sets for an error of some size.
     """
     curve = Curve()
 
     def often(size: float) -> bool:
-        curve.outcomes[size] = judge(size)
+        curve.outcomes[size] = judge(size, slice(FIRST_SETS))
+        if curve.share(size) > 0.5:
+            others = judge(size, slice(FIRST_SETS, None))
+            curve.outcomes[size] = np.concatenate([curve.outcomes[size], others])
         return curve.share(size) >= SHARE
 
     size, step, low = min(start, largest), FIRST_STEP, None

@@ -62,37 +62,40 @@ class Seen:
     def noiseless(self, label: str) -> float | None:
         """The size from which a figure of a technique is over its budget, whatever its interval."""
 
-        def over(size: float) -> bool:
-            return any(clearance(row)[0] > 0 for row in self.rows(size, label).values())
+        def over(size: float) -> float:
+            return max(clearance(row)[0] for row in self.rows(size, label).values())
 
         if label not in self.without_noise:
             self.without_noise[label] = noiseless(over, self.error.largest)
         return self.without_noise[label]
 
-    def sets(self, size: float, labels: list[str]) -> np.ndarray:
-        """The outcome of every set: of each row that could make it worse, worst row first.
+    def sets(self, size: float, labels: list[str], asked: slice = slice(None)) -> np.ndarray:
+        """The outcomes of sets: of each row that could make it worse, worst row first.
 
         A row that the whole pool has within its budget could only make it inconclusive: against
         its failing stand more than four standard errors.
         """
         rows = {p: clearance(r)[0] for label in labels for p, r in self.rows(size, label).items()}
         near = sorted((p for p in rows if rows[p] > -FAR), key=rows.get, reverse=True)
-        outcomes = np.full(len(self.orders), PASSED)
+        numbers = np.arange(len(self.orders))[asked]
+        outcomes = np.full(len(numbers), PASSED)
         for place in near:
             frame = self.frame(size, place.pool, place.technique)
             most = CAUGHT if rows[place] > 0 else INCONCLUSIVE
-            for number in np.flatnonzero(outcomes < most):
-                if (at := (size, place, number)) not in self.verdicts:
+            for k in np.flatnonzero(outcomes < most):
+                if (at := (size, place, number := numbers[k])) not in self.verdicts:
                     row = self.gate.row(place, frame, self.orders[number])
                     self.verdicts[at] = VERDICTS[row.verdict]
-                outcomes[number] = max(outcomes[number], self.verdicts[at])
+                outcomes[k] = max(outcomes[k], self.verdicts[at])
         return outcomes
 
     def limit(self, labels: list[str]) -> Limit:
         """The smallest size that rows of these techniques catch."""
         found = min(filter(None, map(self.noiseless, labels)), default=None)
         start = found or self.error.largest
-        curve = traced(lambda size: self.sets(size, labels), start, self.error.largest)
+        curve = traced(
+            lambda *asked: self.sets(asked[0], labels, asked[1]), start, self.error.largest
+        )
         taken, pool = self.gate.looks[-1], self.orders.shape[1]
         smallest, low, high = curve.limit(taken, pool)
         by = self._seen_by(curve, labels)
