@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
@@ -33,6 +34,11 @@ class MutantView:
     change: Change
     outcome: str
     badge: str
+
+    @property
+    def command(self) -> str:
+        """What tries it again."""
+        return shlex.join(["shadeproof", "attack", "--only", self.mutant.id])
 
 
 @dataclass(frozen=True)
