@@ -10,6 +10,8 @@ from tests.fuzz.corpus import corpus, fill, lay
 from tests.fuzz.inputs import Input, lay_input
 from tests.fuzz.supervisor import Ended, Supervisor
 
+DRAWN_BY = ("paper", "sampled@4")  # in turn
+
 
 @dataclass
 class Tally:
@@ -56,7 +58,7 @@ def campaign(seed: int, numbers: range, keep: Path) -> Tally:
             ended = supervisor.run(given.words, given.watched)
             drawn = bool(given.drawn and ended.code == 0 and not ended.problems)
             if drawn:
-                picture = supervisor.run(["!draw", given.drawn])
+                picture = supervisor.run(["!draw", given.drawn, DRAWN_BY[number % 2]])
                 ended.problems += picture.problems
                 ended.seconds = max(ended.seconds, picture.seconds)
                 ended.grew = max(ended.grew, picture.grew)
