@@ -139,7 +139,7 @@ def limit_text(at_least: float | None, limit: float | None) -> str:
         return f"≤ {figure(limit)}" if limit else "0"
     if math.isclose(1 - at_least, limit - 1, rel_tol=1e-6):
         return f"1 ± {figure(limit - 1)}"
-    return f"{figure(at_least, 4)} to {figure(limit, 4)}"
+    return f"{at_least:.4g} to {limit:.4g}"
 
 
 def _judged(found: Map) -> np.ndarray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from reports.html.figures import NONE, seconds, slug
 from reports.html.stability.maps import MapView, map_views
-from reports.html.stability.numbers import figure, input_value, name
+from reports.html.stability.numbers import departure, figure, input_value, name
 from reports.html.trust import Fact, versions_of
 from reports.stability.results import HardCase, Map, Promise, Stability
 
@@ -44,7 +44,7 @@ class CaseView:
 
     case: HardCase
     id: str
-    measured: str
+    measured: list[tuple[str, str]]
 
 
 @dataclass(frozen=True)
@@ -128,8 +128,8 @@ def _promise(promise: Promise) -> PromiseView:
         f"{name(n)} {input_value(low)} to {input_value(high)}"
         for n, (low, high) in promise.bounds.items()
     )
-    limit = "" if promise.limit is None else figure(promise.limit)
-    return PromiseView(promise, ", ".join(bounds), figure(promise.worst), limit)
+    limit = "" if promise.limit is None else departure(promise.limit)
+    return PromiseView(promise, ", ".join(bounds), departure(promise.worst), limit)
 
 
 def _functions(views: Sequence[MapView]) -> list[FunctionView]:
@@ -157,8 +157,8 @@ def _kinds(cases: Sequence[HardCase]) -> list[tuple[str, str, list[CaseView]]]:
 
 
 def _case(case: HardCase) -> CaseView:
-    measured = ", ".join(f"{words} {figure(v)}" for words, v in case.measured.items())
-    return CaseView(case, slug("hard", case.kind, case.name), measured or NONE)
+    measured = [(words, departure(value)) for words, value in case.measured.items()]
+    return CaseView(case, slug("hard", case.kind, case.name), measured)
 
 
 def _count(number: int, thing: str) -> str:
