@@ -37,7 +37,8 @@ def _sides(point: Point) -> Iterator[Told]:
         alpha, cosine = (np.ravel(given.get(n, 1.0)) for n in ("alpha", "n.v"))
         yield "GLSL", furnaces(alpha, cosine, weight, point.masking)[point.name][0]
     elif point.name == "scale_bias":
-        found = split_sum(float(given["n.v"]), float(given["roughness"]), weight, point.masking)
+        place = given["n.v"].item(), given["roughness"].item()
+        found = split_sum(*place, weight, point.masking)
         yield from zip(("GLSL", "float64"), found, strict=True)
     elif point.name == "radiance_lod":
         found = level(given["size"], given["w"][None], np.ravel(given["density"]))

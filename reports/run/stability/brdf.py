@@ -128,10 +128,13 @@ class Sweep:
             for g in ((1, 0), (0, 1))
         ]
         largest = np.max(ends, axis=0)
-        steps = [
-            (np.abs(after - before) / ((4 * step + ROUNDING) * largest)).max(axis=-1)
-            for (before, after), step in zip(pairwise(forth), np.diff(self.weights), strict=True)
-        ]
+        with np.errstate(invalid="ignore"):
+            steps = [
+                (np.abs(after - before) / ((4 * step + ROUNDING) * largest)).max(axis=-1)
+                for (before, after), step in zip(
+                    pairwise(forth), np.diff(self.weights), strict=True
+                )
+            ]
         return self.map(
             "smooth in weight",
             np.stack([*steps, steps[-1]]),  # the last weight has no neighbour above
@@ -155,7 +158,8 @@ class Sweep:
         after = np.stack([shader("brdf", i | {"alpha": wider}, self.masking) for i in slices])
         shape = (len(self.weights), *CELLS, PER_CELL, 3)
         peak = truth.reshape(shape).max(axis=-2, keepdims=True)
-        step = np.abs(after - forth).reshape(shape) / ((4 * STEP + ROUNDING) * peak)
+        with np.errstate(invalid="ignore"):
+            step = np.abs(after - forth).reshape(shape) / ((4 * STEP + ROUNDING) * peak)
         return self.map(
             "smooth in roughness",
             step.max(axis=-1),

@@ -13,7 +13,6 @@ from reports.stability.quadrature import facets
 from reports.stability.results import Map
 from scenes.schema import Material, Model
 
-COARSE = ALPHAS[::2], COSINES[::2]  # integrals are smooth in both
 NORMALISED = 1e-4
 WEAK = 1e-3
 WHITE = 1 + 1e-3
@@ -64,18 +63,17 @@ def furnaces(
     return {n: np.add.reduceat(t * omega, starts).reshape(shape) for n, t in terms.items()}
 
 
-def maps() -> Iterator[Map]:
-    """NDFs normalised, and both furnaces, for both maskings."""
-    alphas, cosines = COARSE
+def maps(alphas: np.ndarray = ALPHAS[::2], cosines: np.ndarray = COSINES[::2]) -> Iterator[Map]:
+    """NDFs normalised, and both furnaces, for both maskings; all are smooth in alpha and n.v."""
     across, down = axis("alpha", alphas, log=True), axis("n.v", cosines, log=True)
     slices = axis("weight", WEIGHTS)
-    head_on = [furnaces(ALPHAS, np.ones(1), w, "smith")["normalised"][0] for w in WEIGHTS]
+    head_on = [furnaces(alphas, np.ones(1), w, "smith")["normalised"][0] for w in WEIGHTS]
     yield make_map(
         "D_mixture",
         "normalised",
         np.array(head_on)[None, :, :, None],
-        (ONE, slices, axis("alpha", ALPHAS, log=True)),
-        lambda at: [{"alpha": ALPHAS[at[2]], "weight": WEIGHTS[at[1]]}],
+        (ONE, slices, across),
+        lambda at: [{"alpha": alphas[at[2]], "weight": WEIGHTS[at[1]]}],
         name="normalised",
         why="The facets' area, projected on the plane that they make up, is that of the plane "
         "(Walter et al. 2007, eq. 4).",

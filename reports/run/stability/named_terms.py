@@ -143,7 +143,7 @@ TERMS = [
     Named(
         "last-point",
         "the last of up to 2^23 Hammersley points lies below 1 in both coordinates",
-        "a 32-bit fraction rounds up to 1, and so does i + .5 from 2^24 on",
+        "a point of 1 lies on the horizon: 32 bits as a fraction may round up to it",
         last_points,
     ),
 ]

@@ -1,0 +1,166 @@
+"""Every invariant of the shaders can fail: a fault put into the GLSL for each."""
+
+import numpy as np
+import pytest
+
+from renderer import glsl
+from reports.run.stability import NAMED, furnaces, geometry, terms
+from reports.run.stability.brdf import Sweep, stock_maps
+
+
+@pytest.fixture
+def broken(monkeypatch):
+    """Put a fault into a shader file: this text instead of that."""
+    read = glsl._read.__wrapped__
+
+    def put(file: str, right: str, wrong: str):
+        assert right in read(file)  # else there would be no fault
+
+        def faulty(name: str) -> str:
+            return read(name).replace(right, wrong) if name == file else read(name)
+
+        monkeypatch.setattr(glsl, "_read", faulty)
+
+    return put
+
+
+def failed(maps) -> set[str]:
+    """What fails of some maps."""
+    return {f"{m.function} {m.invariant}" for m in maps if not m.passed}
+
+
+BRDF = [
+    ("brdf.glsl", "F * (D * G /", "F * (1.0002 * D * G /", "against float64"),
+    ("brdf.glsl", "0.5 * length(wi + wo)", "dot(wo, normalize(wi + wo))", "against Mitsuba"),
+    ("ndf_beckmann.glsl", "exp(-dot", "exp(dot", "finite"),
+    ("brdf.glsl", "f += one", "f -= one", "non-negative"),
+    ("brdf.glsl", "F_schlick(m.f0, wo_h)", "F_schlick(m.f0, wo.z)", "reciprocal"),
+    ("mixture.glsl", "G += weight.y * G_vcavity", "G += G_vcavity", "smooth in weight"),
+    ("ndf_ggx.glsl", "INV_PI /", "(alpha > 0.1 ? 1.1 : 1.0) * INV_PI /", "smooth in roughness"),
+]
+
+
+@pytest.mark.parametrize(("file", "right", "wrong", "seen"), BRDF, ids=[b[3] for b in BRDF])
+def test_a_fault_in_the_brdf_is_seen(broken, file, right, wrong, seen):
+    broken(file, right, wrong)
+    assert f"brdf {seen}" in failed(Sweep("paper").maps())
+
+
+def test_a_wrong_power_is_seen_by_mitsubas_own_plugin_too(broken):
+    broken("masking_smith_mixture.glsl", "sqrt(1.0 + x * x) - 1.0", "sqrt(1.0 + x) - 1.0")
+    assert "brdf against roughconductor, GGX" in failed(stock_maps())
+
+
+def test_a_wrong_jacobian_is_seen_in_the_density(broken):
+    broken("shade_sampled.glsl", "(4.0 * wo_h)", "(2.0 * wo_h)")
+    assert "sample_density pdf against Mitsuba" in failed(stock_maps())
+
+
+TERMS = [
+    ("ndf_ggx.glsl", "+ h.z * h.z", "+ 1.0", "D_ggx"),
+    ("ndf_beckmann.glsl", "z2 * z2", "z2", "D_beckmann"),
+    ("mixture.glsl", "weight.y * D_beckmann", "weight.x * D_beckmann", "D_mixture"),
+    ("beckmann_over_ggx.glsl", "(1.0 + t) * (1.0 + t)", "(1.0 + t)", "beckmann_over_ggx"),
+    ("masking_smith.glsl", "alpha * alpha * tan2", "alpha * tan2", "G1_ggx"),
+    ("masking_smith.glsl", "* G1_ggx(wo, alpha)", "", "G_smith"),
+    ("masking_smith_mixture.glsl", "0.5 * (sqrt", "(sqrt", "lambda_ggx"),
+    ("masking_smith_mixture.glsl", "1.061405429", "1.06", "lambda_beckmann"),
+    ("masking_smith_mixture.glsl", "weight.x * lambda_ggx", "lambda_ggx", "G1_smith_mixture"),
+    ("masking_vcavity.glsl", "2.0 * h.z", "h.z", "G_vcavity"),
+    ("mixture.glsl", "weight.x * G_smith", "weight.y * G_smith", "G_mixture"),
+    ("fresnel_schlick.glsl", "m2 * m2 * m", "m2 * m2", "F_schlick"),
+    ("shade_sampled.glsl", "wi.z * INV_PI", "wi.z", "sample_density"),
+    ("sample_ggx.glsl", "alpha * alpha * u.x", "alpha * u.x", "sample_ggx"),
+    ("sample_beckmann.glsl", "-log(max", "-0.999 * log(max", "sample_beckmann"),
+    ("sample_cosine.glsl", "sqrt(1.0 - u.x)", "1.0 - u.x", "sample_cosine"),
+]
+
+
+@pytest.mark.parametrize(("file", "right", "wrong", "seen"), TERMS, ids=[t[3] for t in TERMS])
+def test_a_fault_in_a_term_is_seen(broken, file, right, wrong, seen):
+    broken(file, right, wrong)
+    parts = {
+        "ndf": terms.ndfs,
+        "beckmann": terms.ndfs,
+        "masking": terms.maskings,
+        "fresnel": lambda: [terms.fresnel()],
+        "shade": lambda: [terms.density()],
+        "sample": terms.samplers,
+        "mixture": lambda: [*terms.ndfs(), *terms.maskings()],
+    }
+    start = file.removesuffix(".glsl").split("_")[0]
+    assert f"{seen} against float64" in failed(parts[start]())
+
+
+FURNACES = [
+    ("ndf_beckmann.glsl", "INV_PI /", "0.999 * INV_PI /", "D_mixture normalised"),
+    (
+        "masking_smith_mixture.glsl",
+        "return 1.0 / (1.0 + lambda)",
+        "return 1.0 / (1.0 + 0.99 * lambda)",
+        "G_mixture weak white furnace",
+    ),
+    ("brdf.glsl", "/ (4.0 *", "/ (3.9 *", "brdf white furnace"),
+]
+
+
+@pytest.mark.parametrize(("file", "right", "wrong", "seen"), FURNACES, ids=[f[3] for f in FURNACES])
+def test_light_made_or_lost_is_seen(broken, file, right, wrong, seen):
+    broken(file, right, wrong)
+    assert seen in failed(furnaces.maps(np.array([0.01, 0.1]), np.array([0.1, 0.5])))
+
+
+SURROUNDINGS = [
+    ("frame.glsl", "n.z >= 0.0 ? 1.0 : -1.0", "1.0", geometry.tangent_frame),
+    ("latlong.glsl", "length(world.xy), world.z", "world.z, length(world.xy)", geometry.latlong),
+    ("hammersley.glsl", "0x0F0F0F0Fu", "0x0F0F0F0Eu", geometry.hammersley),
+    ("radiance.glsl", "max(size.y - 1.0, 1.0)", "(size.y - 1.0)", geometry.radiance_lod),
+]
+
+
+@pytest.mark.parametrize(
+    ("file", "right", "wrong", "measured"), SURROUNDINGS, ids=[s[0] for s in SURROUNDINGS]
+)
+def test_a_fault_around_the_brdf_is_seen(broken, file, right, wrong, measured):
+    assert measured().passed
+    broken(file, right, wrong)
+    assert not measured().passed
+
+
+CLAMPED = "clamp(1.0 - cos_theta, 0.0, 1.0)"
+NAMED_FAULTS = {
+    "narrowest-lobe": ("ndf_ggx.glsl", "dot(h.xy, h.xy)", "(1.0 - h.z * h.z)"),
+    "both-graze": ("brdf.glsl", "0.5 * length(wi + wo)", "dot(wo, normalize(wi + wo))"),
+    "below-the-surface": ("brdf.glsl", "if (min(wi.z, wo.z) < HORIZON)", "if (false)"),
+    "almost-below": ("brdf.glsl", "HORIZON = 1e-9", "HORIZON = 0.0"),
+    "opposite": ("brdf.glsl", "if (min(wi.z, wo.z) < HORIZON)", "if (false)"),
+    "nearly-opposite": ("brdf.glsl", "one_minus_F_schlick(m.f0, wo_h)", "(1.0 - F)"),
+    "h-is-n": ("brdf.glsl", "/ (2.0 * wo_h)", "/ (2.0 * wo_h + 1e-6)"),
+    "lobes-left-out": ("mixture.glsl", "D += weight.y * D_beckmann", "D += D_beckmann"),
+    "weight-of-1e-7": ("mixture.glsl", "weight.y * G_v", "(1.0 - weight.x) * G_v"),
+    "weights-off-by-rounding": (
+        "mixture.glsl",
+        "return D;",
+        "return D * (1.0 + 1e4 * (weight.x + weight.y - 1.0));",
+    ),
+    "metallic": ("brdf.glsl", "m.albedo * INV_PI", "m.albedo"),
+    "f0-at-its-ends": ("fresnel_schlick.glsl", "(1.0 - f0) * (c", "(1.001 - f0) * (c"),
+    "not-quite-unit": ("fresnel_schlick.glsl", CLAMPED, "abs(1.0 - cos_theta)"),
+    "beckmann-at-the-horizon": ("ndf_beckmann.glsl", "if (h.z <= 1e-6) return 0.0;", ""),
+    "ggx-cancellation": ("ndf_ggx.glsl", "dot(h.xy, h.xy)", "(1.0 - h.z * h.z)"),
+    "f0-out-of-gamut": ("fresnel_schlick.glsl", "return f0 +", "return clamp(f0, 0.0, 1.0) +"),
+    "random-numbers-at-their-ends": ("sample_ggx.glsl", "max(1.0 - u.x, LEAST_REST)", "1.0 - u.x"),
+    "frame-at-the-poles": ("frame.glsl", "n.z >= 0.0 ? 1.0 : -1.0", "sign(n.z)"),
+    "map-at-the-poles": (
+        "latlong.glsl",
+        "world.xy == vec2(0.0) ? 0.0 : atan(world.x, world.y)",
+        "acos(world.y / length(world.xy))",
+    ),
+    "last-point": ("hammersley.glsl", "float(i) + 0.5", "float(i) + 1.0"),
+}
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_a_fault_on_a_hard_input_is_seen(broken, name):
+    broken(*NAMED_FAULTS[name])
+    assert not NAMED[name].case().passed
