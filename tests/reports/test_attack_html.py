@@ -10,6 +10,7 @@ from reports.html.attack import gate_of, write_page
 from reports.html.attack.limits import limits_view
 from reports.html.attack.matrix import bug_matrix
 from reports.html.attack.view import attack_view, change_of
+from reports.html.attack.words import plainly
 from tests.reports.attacks import (
     DEAD,
     EQUAL,
@@ -99,7 +100,7 @@ def test_a_false_alarm_fails_and_is_told(tmp_path):
 
 def test_arguments_and_what_saw_a_bug_stand_beside_it(page):
     words = shown_text(page)
-    assert EQUAL.equivalent in words and SEEN in words and "invalid swizzle" in words
+    assert EQUAL.equivalent in words and plainly(SEEN) in words and "invalid swizzle" in words
 
 
 def test_only_what_differs_is_marked():
@@ -156,12 +157,13 @@ def test_both_signs_stand_in_one_row_and_differ_where_they_do():
     assert (row.parameter, row.plus.smallest, row.minus.smallest) == (
         "roughness", "+0.012", "−0.02",
     )  # fmt: skip
-    assert (row.noiseless, row.by, row.words) == ("+0.0096, –", "the budget", [up.words])
-    noisy = limit(sign="-", limited_by="noise", words="few batches", seen_by="")
+    assert (row.noiseless, row.by) == ("+0.0096, –", "the budget")
+    assert row.why == [("", up.words, "sampled@64 vs unoccluded, silver: local energy error")]
+    noisy = limit(sign="-", limited_by="noise", words="ssim is .99", seen_by="")
     row = row_of(up, noisy)
     assert row.by == "plus: the budget, minus: the reference's noise"
-    assert row.words == [f"Plus: {up.words}", "Minus: few batches"]
-    assert row.seen_by == [up.seen_by]
+    assert [sign for sign, _, _ in row.why] == ["plus", "minus"]
+    assert row.why[1] == ("minus", "SSIM is .99", "")
     assert row_of(down).plus is None
 
 
@@ -186,13 +188,17 @@ def test_a_chart_for_each_parameter_shows_how_often_it_is_caught():
 
 def test_false_alarms_are_told_with_their_bound(tmp_path):
     assert plain(limits_view(full_limits()).sentence) == (
-        "No false alarms in 600 judgements of a right renderer "
-        "(95 % interval: up to 1.22 % of them)"
+        "No false alarms in 600 judgements of what is right "
+        "(95 % interval: up to 1.22 % of those of the renderer as it is)"
     )
     cried = FalseAlarms(what="x", sets=300, alarms=1, inconclusive=0, low=0.0001, high=0.018)
-    page = page_of(tmp_path, limits=full_limits(false_alarms=[cried]))
-    assert plain(page.text["h1"]).startswith("1 false alarm in 300 judgements")
-    assert [a["class"] for t, a in page.elements if t == "h1"] == ["verdict fail"]
+    found = full_limits(limits=[], false_alarms=[cried])
+    page = page_of(tmp_path, limits=found)
+    assert page.text["h1"] == "False alarms: 1 in 300 judgements of x"
+    assert "0.01 % to 1.80 %" in shown_text(page)
+    both = page_of(tmp_path, full_attack(mutants=[mutant()]), found)
+    assert both.text["h1"] == "The gate catches 1 of 1 injected bugs. " + page.text["h1"]
+    assert [a["class"] for t, a in both.elements if t == "h1"] == ["verdict fail"]
 
 
 def test_no_figure_reads_nan(page):

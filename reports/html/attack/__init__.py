@@ -25,12 +25,13 @@ class GateView:
 
     @property
     def headline(self) -> str:
-        """The score, or else what was measured."""
+        """The score, and false alarms where there are any or no score."""
+        said = []
         if isinstance(self.attack, AttackView):
-            return self.attack.headline
-        if isinstance(self.limits, LimitsView):
-            return self.limits.sentence
-        return "What the gate can see was not measured"
+            said.append(self.attack.headline)
+        if isinstance(self.limits, LimitsView) and (not said or self.limits.state == "fail"):
+            said.append(self.limits.sentence)
+        return ". ".join(said) or "What the gate can see was not measured"
 
     @property
     def state(self) -> str:

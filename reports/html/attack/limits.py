@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.attack.limits import EVERY, FalseAlarms, Limit, Limits
+from reports.html.attack.words import plainly
 from reports.html.charts import SERIES_COLOURS, Axis, Chart, Line, line_chart
 from reports.html.figures import GAP, NONE, digits, percent, seconds
 from reports.html.logaxis import LogAxis
@@ -28,7 +29,8 @@ class SideView:
 class LimitView:
     """One kind of error, judged by one technique's rows or (`technique` is "") the whole suite's.
 
-    `plus` and `minus` are None where that sign was not tried.
+    `plus` and `minus` are None where that sign was not tried. `why` tells for each sign, or with an
+    empty sign for both, what hides a smaller error and which row sees it first.
     """
 
     parameter: str
@@ -37,8 +39,7 @@ class LimitView:
     minus: SideView | None
     noiseless: str
     by: str
-    words: list[str]
-    seen_by: list[str]
+    why: list[tuple[str, str, str]]
 
 
 @dataclass(frozen=True)
@@ -105,16 +106,15 @@ def _row(own: Sequence[Limit]) -> LimitView:
         minus=sides.get("-"),
         noiseless=", ".join(size(found.noiseless, found.unit, _sign(found)) for found in own),
         by=by,
-        words=_told([(found, found.words) for found in own]),
-        seen_by=_told([(found, found.seen_by) for found in own if found.seen_by]),
+        why=_why(own),
     )
 
 
-def _told(said: Sequence[tuple[Limit, str]]) -> list[str]:
-    """What is said of both signs once, and else with its sign."""
-    if len({words for _, words in said}) <= 1:
-        return [words for _, words in said[:1]]
-    return [f"{SIGNS[found.sign].capitalize()}: {words}" for found, words in said]
+def _why(own: Sequence[Limit]) -> list[tuple[str, str, str]]:
+    """What is said of each sign, once where it is the same."""
+    said = [(SIGNS[found.sign], plainly(found.words), plainly(found.seen_by)) for found in own]
+    alike = len({about[1:] for about in said}) == 1
+    return [("", *said[0][1:])] if alike else said
 
 
 def _side(found: Limit) -> SideView:
@@ -138,11 +138,13 @@ def _sign(found: Limit) -> str:
 def _sentence(alarms: Sequence[FalseAlarms]) -> str:
     if not alarms:
         return "False alarms were not measured"
-    cried, sets = sum(a.alarms for a in alarms), sum(a.sets for a in alarms)
-    worst = max(a.high for a in alarms)
+    cried = [f"{a.alarms} in {a.sets} judgements of {a.what}" for a in alarms if a.alarms]
+    if cried:
+        return f"False alarms: {', '.join(cried)}"
+    worst = max(alarms, key=lambda a: a.high)
     return (
-        f"{cried or 'No'} false alarm{'s' * (cried != 1)} in {sets} judgements of a right renderer "
-        f"(95 % interval: up to {percent(worst)} of them)"
+        f"No false alarms in {sum(a.sets for a in alarms)} judgements of what is right "
+        f"(95 % interval: up to {percent(worst.high)} of those of {worst.what})"
     )
 
 
@@ -161,6 +163,7 @@ def _charts(limits: Sequence[Limit]) -> list[Chart]:
 
 def _chart(group: Sequence[Limit]) -> Chart:
     """A line for each technique and sign, of as many techniques as there are colours."""
+    group = sorted(group, key=lambda found: found.technique != EVERY)
     techniques = list(dict.fromkeys(found.technique for found in group))[: len(SERIES_COLOURS)]
     group = [found for found in group if found.technique in techniques]
     unit = group[0].unit

@@ -9,6 +9,7 @@ from difflib import SequenceMatcher
 
 from reports.attack.results import Attack, Mutant
 from reports.html.attack.matrix import BugMatrix, bug_matrix
+from reports.html.attack.words import plainly
 from reports.html.figures import count, seconds, slug
 from reports.html.trust import Fact, versions_of
 
@@ -27,13 +28,14 @@ class Change:
 
 @dataclass(frozen=True)
 class MutantView:
-    """One change of the renderer and what became of it."""
+    """One change of the renderer and what became of it; `told` is why."""
 
     mutant: Mutant
     place: str
     change: Change
     outcome: str
     badge: str
+    told: str
 
     @property
     def command(self) -> str:
@@ -144,7 +146,9 @@ def _mutant(mutant: Mutant) -> MutantView:
     if mutant.outcome == "survived" and mutant.equivalent:
         outcome, badge = "equivalent", "reported"
     place = f"{mutant.file}:{mutant.line}"
-    return MutantView(mutant, place, change_of(mutant.before, mutant.after), outcome, badge)
+    change = change_of(mutant.before, mutant.after)
+    told = mutant.equivalent or plainly(mutant.by)
+    return MutantView(mutant, place, change, outcome, badge, told)
 
 
 def _parts(bugs: Sequence[MutantView]) -> list[Part]:
