@@ -18,7 +18,6 @@ BRIGHTEST = 1e15  # sums of squared radiance over a map stay inside float32
 GREY = ("Y", "L", "LUMINANCE")
 LARGEST = 16384  # texels a side that every OpenGL 4 driver takes
 MOST_BLANK = 1 << 24  # pixels that a file may show without storing them
-STRIP = 256  # rows decoded at once: a multiple of what every compression of EXR packs together
 # TIFF's orientations that are mere flips: steps over rows and columns.
 FLIPS = {1: (1, 1), 2: (1, -1), 3: (-1, -1), 4: (-1, 1)}
 
@@ -80,8 +79,6 @@ def _three_rows(radiance: np.ndarray) -> np.ndarray:
 def read_pixels(path: Path, field: str, size: tuple[int, int] | None = None) -> np.ndarray:
     """Read an image of one part and one set of R, G, B as (H, W, 3) float32; grey is spread.
 
-    A header may claim what the file does not hold: memory is taken as rows come in.
-
     Args:
         size: the width and height that it must have; any if None.
 
@@ -114,12 +111,15 @@ def _read(path: Path, field: str, size: tuple[int, int] | None) -> np.ndarray:
         if orientation not in FLIPS:
             raise InputError(path, field, "is stored on its side", "export it again, row 0 on top")
         rgb = _rgb(path, field, spec.channelnames)
-        pixels = _decoded(image, spec, rgb)
+        first, beyond = min(rgb), max(rgb) + 1
+        # Memory that is not written yet takes none: a header alone does not fill it.
+        pixels = image.read_image(0, 0, first, beyond, oiio.FLOAT)
         if pixels is None:
             raise InputError(path, field, "is damaged or cut short", "export it again")
     finally:
         image.close()
-    pixels = _whole(pixels, spec)
+    pixels = np.asarray(pixels, np.float32).reshape(spec.height, spec.width, beyond - first)
+    pixels = _whole(pixels[..., [place - first for place in rgb]], spec)
     return np.ascontiguousarray(pixels[:: FLIPS[orientation][0], :: FLIPS[orientation][1]])
 
 
@@ -139,25 +139,6 @@ def _check_size(
     if math.prod(whole) - math.prod(stored) > MOST_BLANK:
         problem = f"stores {stored[0]}x{stored[1]} of its {whole[0]}x{whole[1]} pixels"
         raise InputError(path, field, problem, "export all of them")
-
-
-def _decoded(image: oiio.ImageInput, spec: oiio.ImageSpec, rgb: list[int]) -> np.ndarray | None:
-    """What is stored of R, G and B, (h, w, 3) float32, strip by strip; None if it is damaged."""
-    pixels = np.empty((spec.height, spec.width, 3), np.float32)
-    first, beyond = min(rgb), max(rgb) + 1
-    picked = [place - first for place in rgb]
-    rows = spec.tile_height or STRIP
-    for top in range(0, spec.height, rows):
-        low, high = spec.y + top, spec.y + min(top + rows, spec.height)
-        if spec.tile_width:
-            right = spec.x + spec.width
-            strip = image.read_tiles(spec.x, right, low, high, 0, 1, first, beyond, oiio.FLOAT)
-        else:
-            strip = image.read_scanlines(low, high, 0, first, beyond, oiio.FLOAT)
-        if strip is None:
-            return None
-        pixels[top : top + rows] = strip.reshape(high - low, spec.width, -1)[..., picked]
-    return pixels
 
 
 def _as_named(path: Path, field: str, found: str, depth: str) -> None:
