@@ -64,8 +64,11 @@ def conformance(entries: Iterable[Entry]) -> list[Conformance]:
     tables = {n for names in read.values() for n in names if n.startswith("table")}
     found += [of_table(precomputed(next(iter(read)).path), name) for name in sorted(tables)]
     found += [of_own_table(m) for m in {m for c, m, t in split if t.own_table(c.model)}]
-    surfaces = {(c.environment, m, c.model, t): c for c, m, t in split}
-    found += [of_split_sum(*key[:3], key[3]) for key in surfaces]
+    # Each surface in one environment, and each environment with one surface.
+    surfaces = {(m, c.model, t.shade, t.fine): (c, m, t) for c, m, t in split}
+    lights = {c.environment: (c, m, t) for c, m, t in split}
+    for case, material, how in dict.fromkeys([*surfaces.values(), *lights.values()]):
+        found.append(of_split_sum(case.environment, material, case.model, how))
     for material, how in {(m, t) for _, m, t in used if t.samples}:
         found += of_samples(material, how)
     return [
