@@ -11,14 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from reports.stability.oracle import (
-    D_beckmann,
-    D_ggx,
-    F_schlick,
-    G1_smith,
-    G_vcavity,
-    half_vector,
-)
+from reports.stability import oracle
 from scenes.schema import Material
 
 LEAST_ROWS = 128  # of a quadrature over the sphere: finer than the narrowest lobe that is filtered
@@ -53,10 +46,8 @@ def direction(uv: np.ndarray, turn: float = 0.0) -> np.ndarray:
 
 
 def latlong(world: np.ndarray, turn: float = 0.0) -> np.ndarray:
-    """Places (n, 2) of world directions (n, 3) in a lat-long map; u is not wrapped."""
-    u = np.arctan2(world[:, 0], world[:, 1]) / (2 * np.pi) + turn
-    v = np.arctan2(np.hypot(world[:, 0], world[:, 1]), world[:, 2]) / np.pi
-    return np.stack([u, v], 1)
+    """Places (n, 2) of world directions (n, 3) in a turned lat-long map; u is not wrapped."""
+    return oracle.latlong(world) + np.array([turn, 0.0])
 
 
 def bilinear(texels: np.ndarray, uv: np.ndarray) -> np.ndarray:
@@ -176,12 +167,6 @@ def cumulated(lobe: str, z: np.ndarray, alpha: float) -> np.ndarray:
     return tan2 / (alpha**2 + tan2) if lobe == "ggx" else -np.expm1(-tan2 / alpha**2)
 
 
-def hammersley(count: int) -> np.ndarray:
-    """Hammersley's set of `count` points, (count, 2); the radical inverse to 24 bits."""
-    inverse = [int(f"{i:032b}"[::-1], 2) >> 8 for i in range(count)]
-    return np.stack([(np.arange(count) + 0.5) / count, np.array(inverse) / 2**24], 1)
-
-
 def scale_bias(
     cosine: float,
     alpha: float,
@@ -228,21 +213,14 @@ def _gauss_legendre(points: int) -> tuple[np.ndarray, np.ndarray]:
 
 def smith(alpha: float, weight: tuple[float, float] = (1, 0)) -> Callable:
     """Separable Smith masking of a mixture, as `scale_bias` takes it."""
-    return lambda wi, wo, wo_h: G1_smith(wi, alpha, weight) * G1_smith(wo, alpha, weight)
+    return lambda wi, wo, wo_h: (
+        oracle.G1_smith(wi, alpha, weight) * oracle.G1_smith(wo, alpha, weight)
+    )
 
 
 def vcavity(wi: np.ndarray, wo: np.ndarray, _wo_h: np.ndarray) -> np.ndarray:
     """V-cavities, as `scale_bias` takes them."""
-    return G_vcavity(wi, wo)
-
-
-def samples_density(
-    material: Material, wi: np.ndarray, wo: np.ndarray, count: tuple[int, int, int]
-) -> np.ndarray:
-    """Of `count` samples of GGX, Beckmann and the cosine together, per steradian, (n,)."""
-    h, wo_h = half_vector(wi, wo)
-    lobes = count[0] * D_ggx(h, material.alpha) + count[1] * D_beckmann(h, material.alpha)
-    return lobes * h[:, 2] / (4 * wo_h) + count[2] * wi[:, 2] / np.pi
+    return oracle.G_vcavity(wi, wo)
 
 
 def split_sum(
@@ -257,5 +235,5 @@ def split_sum(
         E: irradiance (n, 3).
     """
     f0, albedo = np.array(material.specular_f0), np.array(material.diffuse_albedo)
-    kd = 1 - F_schlick(f0, cosine)
+    kd = 1 - oracle.F_schlick(f0, cosine)
     return L * (f0 * ab[:, :1] + ab[:, 1:]) + kd * albedo / np.pi * E

@@ -12,6 +12,7 @@ from renderer.precompute.prefilter import LEVELS, SAMPLES
 from renderer.probe import probe
 from reports import conformance as defined
 from reports.conformance import Conformance, Light
+from reports.stability import oracle
 from reports.stability.directions import directions
 from scenes.environment import load_environment
 from scenes.schema import ALPHA_MIN, Environment, Material, Model
@@ -37,7 +38,7 @@ QUIETER = 0.25  # a map's samples are regular and filtered: a quarter of random 
 FIRST_UNIT = 8  # texture units below are the probe's own
 MATERIAL = "Material(albedo, f0, alpha, weight_d, weight_g)"
 UNIFORMS = "uniform vec3 albedo, f0; uniform float alpha; uniform vec2 weight_d, weight_g;"
-LOBES = {"ggx": defined.D_ggx, "beckmann": defined.D_beckmann}
+LOBES = {"ggx": oracle.D_ggx, "beckmann": oracle.D_beckmann}
 
 
 def conformance(entries: Iterable[Entry]) -> list[Conformance]:
@@ -291,10 +292,9 @@ def of_split_sum(
 
 def of_samples(material: Material, how: Technique) -> list[Conformance]:
     """Where a technique's samples lie, and the density by which it divides."""
-    found, u = [], defined.hammersley(1024)
-    ours = probe(
-        "vec4(hammersley(uint(i.x), 1024u), 0.0, 0.0)", {"i": np.arange(1024)}, ("hammersley.glsl",)
-    )
+    index = np.arange(1024)
+    found, u = [], oracle.hammersley(index, np.full(1024, 1024))
+    ours = probe("vec4(hammersley(uint(i.x), 1024u), 0.0, 0.0)", {"i": index}, ("hammersley.glsl",))
     found.append(_made("samples", np.abs(ours[:, :2] - u).max(), "hammersley"))
     alpha = material.alpha
     for lobe in ("ggx", "beckmann", "cosine"):
@@ -322,7 +322,7 @@ def of_samples(material: Material, how: Technique) -> list[Conformance]:
         _uniforms(material),
         UNIFORMS,
     )[:, 0]
-    theirs = defined.samples_density(material, wi, wo, count)
+    theirs = oracle.sample_density(wi, wo, alpha, np.array(count))
     off = np.abs(ours - theirs) / np.maximum(theirs, 1e-4 * theirs.max())
     found.append(_made("densities", off.max(), f"{material.name}, alpha {alpha:.3g}"))
     return found
