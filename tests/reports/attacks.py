@@ -36,7 +36,7 @@ def control(id, **fields):
 
 
 LOST = mutant(
-    "lost-1", rule="constant", file=FILES[1], outcome="survived", exit_code=0, by="",
+    "lost 1", rule="constant", file=FILES[1], outcome="survived", exit_code=0, by="",
     before="max(n_dot_v, 1e-4)", after="max(n_dot_v, 2e-4)",
 )  # fmt: skip
 EQUAL = mutant(

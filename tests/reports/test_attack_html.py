@@ -81,7 +81,7 @@ def test_what_was_let_through_comes_first_with_its_diff_and_command(page):
     words = shown_text(page)
     assert 0 < words.index("Let through") < words.index("Limits of detection")
     assert words.index("max(n_dot_v, 1e-4)") < words.index("Limits of detection")
-    assert "shadeproof attack --only lost-1" in words
+    assert "shadeproof attack --only 'lost 1'" in words
 
 
 def test_nothing_is_said_of_what_was_not_let_through(tmp_path):
