@@ -23,6 +23,7 @@ from tests.reports.attacks import (
     full_limits,
     limit,
     mutant,
+    realistic,
 )
 from tests.reports.pages import Page, bare_report, plain, shown_text
 
@@ -103,6 +104,13 @@ def test_arguments_and_what_saw_a_bug_stand_beside_it(page):
     assert EQUAL.equivalent in words and plainly(SEEN) in words and "invalid swizzle" in words
 
 
+def test_a_bug_has_its_name_and_what_it_is(tmp_path):
+    bugs = [realistic("half vector", "wi - wo in its place"), mutant("x:12:swizzle:1")]
+    words = shown_text(page_of(tmp_path, full_attack(mutants=bugs)))
+    assert f"half vector wi - wo in its place {FILES[0]}:12 caught" in words
+    assert f"operator {FILES[0]}:12 caught" in words
+
+
 def test_only_what_differs_is_marked():
     change = change_of("max(n_dot_v, 1e-4)", "max(n_dot_l, 1e-4)")
     assert [t for t, differs in change.before if differs] == ["n_dot_v"]
@@ -110,6 +118,8 @@ def test_only_what_differs_is_marked():
     for side, text in ((change.before, "max(n_dot_v, 1e-4)"), (change.after, "max(n_dot_l, 1e-4)")):
         assert "".join(t for t, _ in side) == text
     assert change_of("a * b", "a").after == [("a", False)]
+    shifted = change_of("    for x:\n        y", "    for z:\n        y")
+    assert shifted.before == [("for ", False), ("x", True), (":\n    y", False)]
 
 
 def test_the_matrix_counts_what_a_user_could_see():

@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from textwrap import dedent
 
 from reports.attack.results import Attack, Mutant
 from reports.html.attack.matrix import BugMatrix, bug_matrix
@@ -36,6 +37,11 @@ class MutantView:
     outcome: str
     badge: str
     told: str
+
+    @property
+    def title(self) -> str:
+        """What it is: the name that people gave it, or the rule that made it."""
+        return self.mutant.rule or self.mutant.id
 
     @property
     def command(self) -> str:
@@ -129,8 +135,11 @@ def headline(attack: Attack) -> str:
 
 
 def change_of(before: str, after: str) -> Change:
-    """What differs between two texts, word by word."""
-    a, b = (re.findall(r"\w+|.", text, re.DOTALL) for text in (before, after))
+    """What differs between two texts, word by word, without the indentation that they share."""
+    lines = dedent("\n".join([before, after])).split("\n")
+    count = before.count("\n") + 1
+    texts = "\n".join(lines[:count]), "\n".join(lines[count:])
+    a, b = (re.findall(r"\w+|.", text, re.DOTALL) for text in texts)
     steps = SequenceMatcher(None, a, b, autojunk=False).get_opcodes()
     return Change(
         [("".join(a[i:j]), kind != "equal") for kind, i, j, _, _ in steps if i < j],
