@@ -20,8 +20,9 @@ def _finer(how: Technique) -> Technique:
 
 
 def _halves(frame: Frame) -> Frame:
-    """As a half-float target would hold it."""
-    return replace(frame, rgb=frame.rgb.astype(np.float16).astype(np.float32))
+    """As a half-float target would hold it, but for suns that it cannot hold."""
+    held = np.minimum(frame.rgb, np.finfo(np.float16).max).astype(np.float16)
+    return replace(frame, rgb=held.astype(np.float32))
 
 
 HARMLESS: dict[str, tuple[Callable[[Technique], Technique], Callable[[Frame], Frame]]] = {
