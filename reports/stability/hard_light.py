@@ -20,9 +20,10 @@ from reports.stability.hard_inputs import (
 from scenes.schema import Case
 
 ROWS, COLUMNS = 16, 32
+FURTHER = COLUMNS // 2  # half a turn: the texels of every level lie on texels again
 SUN_AT = (6, 20)
-# The prefiltered maps take the same directions about each texel's own frame. A texel half a turn
-# away has another frame, so that a sun of one texel shows what is left of their noise.
+# The prefiltered maps take the same directions about each texel's own frame. A texel stored
+# elsewhere has another frame, so that a sun of one texel shows what is left of their noise.
 STORED_ELSEWHERE = {"paper": 0.06, "paper-noaa": 0.06, "sampled": 1e-4, "sampled@1": 1e-4}
 ROUND = AHEAD.model_copy(update={"origin": (0.0, -100.0, 0.0), "fov": 1.2})  # rays all but parallel
 # A map of odd size is constant too, and each level of it.
@@ -155,7 +156,7 @@ def rows() -> Iterator[Hard]:
             must_hold="the picture is that of the same light stored half a turn further on",
             why="filters that stop at the map's edge lose or double a light that lies on it",
             case=sun(1e6, at),
-            expect=twin(sun(1e6, at, COLUMNS // 2)),
+            expect=twin(sun(1e6, at, FURTHER)),
             within=STORED_ELSEWHERE,
         )
     yield light(
@@ -163,7 +164,7 @@ def rows() -> Iterator[Hard]:
         must_hold="the picture is that of the same light stored half a turn further on",
         why="an interpolation that does not wrap draws a line there",
         case=column,
-        expect=twin(partial(column, turned=COLUMNS // 2)),
+        expect=twin(partial(column, turned=FURTHER)),
         within=dict.fromkeys(SAME, 2e-3),
     )
     yield light(

@@ -258,6 +258,7 @@ def rows() -> Iterator[Hard]:
         must_hold="the floor is seen up to the horizon, and nothing of it above",
         why="triangles reach from before the eye to behind it",
         case=under_sky(("plane", PLASTIC, {"scale": 100.0, "position": (0.0, 0.0, -0.5)})),
+        between=(0.01, 2.0),
         silhouette=EDGES,
     )
     yield row(
