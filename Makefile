@@ -40,8 +40,8 @@ bench: .venv/.stamp ## speed against error: every technique beside path tracing,
 	@$(BIN)/shadeproof bench $(if $(filter file,$(origin SUITE)),,--suite '$(SUITE)') \
 		--out '$(OUT)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
-stability: .venv/.stamp ## hold the shaders against double precision and Mitsuba, per direction
-	@$(BIN)/shadeproof stability $(ARGS)
+stability: .venv/.stamp ## the shaders on every hard input, against double precision and Mitsuba
+	@$(BIN)/shadeproof stability --out '$(OUT)' $(ARGS)
 
 attack: .venv/.stamp ## inject shader bugs into copies of the renderer: does the gate see them?
 	@$(BIN)/shadeproof attack $(if $(filter file,$(origin SUITE)),,--suite '$(SUITE)') \

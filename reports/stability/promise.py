@@ -12,6 +12,9 @@ EVERYWHERE = {
     "n.l": (1e-6, 1.0),
     "weight": (float(WEIGHTS[0]), float(WEIGHTS[-1])),
 }
+# The furnaces have no second direction; the white one is integrated where float32 places h.
+SEEN = {k: v for k, v in EVERYWHERE.items() if k != "n.l"}
+PLACED = 1e-5  # the least alpha n.v: mirrored to float32 directions, h is off by 3e-8 / wo.h
 TERMS = ("D_", "G_", "G1_", "F_", "brdf")
 
 
@@ -37,13 +40,13 @@ def promises(maps: list[Map], hard: list[HardCase]) -> list[Promise]:
         ),
         _held(
             "Under masking smith the weak white furnace is 1 within 1e-3, at all weights",
-            EVERYWHERE,
+            SEEN,
             max(abs(m.worst.value - 1) for m in weak if m.masking == "smith"),
             1e-3,
         ),
         _held(
             "The specular lobe sends back at most what comes, where F = 1",
-            EVERYWHERE,
+            SEEN | {"alpha n.v": (PLACED, 1.0)},
             _most(white),
             1.001,
         ),
