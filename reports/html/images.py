@@ -182,7 +182,8 @@ def _made(
 ) -> Picture:
     """The picture, or its absence with the reason."""
     try:
-        return Picture(kind, technique, truth, make(), size)
+        with np.errstate(all="ignore"):  # NaN and Inf of a candidate are counted in its row
+            return Picture(kind, technique, truth, make(), size)
     except Exception as error:  # one bad picture must not cost the whole page
         return Picture(kind, technique, truth, "", size, _told(error))
 
