@@ -283,8 +283,8 @@ def unique_names(names: list[str]) -> None:
 def file_safe(name: str) -> str:
     """Return the name if it can stand in a file name on any system, else raise ValueError."""
     safe = all(c.isalnum() or c in "-_.=" for c in name)
-    if not safe or not 0 < len(name) <= 200 or name[0] == ".":
-        allowed = "up to 200 letters, digits, '-', '_', '.' and '='"
+    if not safe or not 0 < len(name.encode()) <= 200 or name[0] == ".":
+        allowed = "up to 200 letters (fewer with accents), digits, '-', '_', '.' and '='"
         raise ValueError(f"name {reprlib.repr(name)} is no file name; use {allowed}")
     return name
 

@@ -10,6 +10,7 @@ SEE = "see scenes/FORMAT.md"  # where no remedy is known
 # By pydantic's type of a mistake, what would be right; braces hold its context.
 REMEDIES = {
     "string_type": "write text in quotes",
+    "path_type": "write a path in quotes",
     "bool_type": "write true or false",
     "bool_parsing": "write true or false",
     "int_type": "give a whole number",
@@ -98,4 +99,4 @@ def _in_words(mistake: Any, kind: type[BaseModel] | None) -> tuple[str, str]:
     if cause == "tuple_type" and isinstance(value, dict) and len(place) == 1:
         return problem, f"give a list: [...], or [[{place[0]}]] where it holds tables"
     remedy = REMEDIES.get(cause)
-    return problem, remedy.format(**mistake.get("ctx", {})) if remedy else mistake["msg"]
+    return problem, remedy.format(**mistake.get("ctx", {})) if remedy else SEE

@@ -52,6 +52,7 @@ IN_SCENE = [
     ('mesh = "sphere"', 'mesh = "sphere"\nspin = 1', "object.0.spin", "FORMAT.md"),
     ('name = "ball"', 'name = "a/b"', "object.0.name", "letters"),
     ('name = "ball"', f'name = "{"n" * 300}"', "object.0.name", "up to 200 letters"),
+    ('name = "ball"', f'name = "{"é" * 150}"', "object.0.name", "fewer with accents"),
     ("[64, 48]", "[0, 48]", "resolution.0", "greater than 0"),
     ("[64, 48]", "[64]", "resolution.1", "add it"),
     ("[64, 48]", "[64, 99999]", "resolution.1", "up to 16384"),
