@@ -241,6 +241,8 @@ def test_the_report_shows_the_attack_that_lies_beside_it(tmp_path):
     assert heading in shown_text(shown) and "catches 57 of 58" in shown_text(shown)
     ids = [a["id"] for _, a in shown.elements if "id" in a]
     assert len(ids) == len(set(ids)) and "gate" in ids
+    assert "what the gate sees: something is wrong" in shown.text["header"]
+    assert "#gate" in [a["href"] for tag, a in shown.elements if tag == "a"]
     (tmp_path / "attack.json").write_text('{"schema_version": 7}')
     assert "is no attack.json of schema 1" in shown_text(bare_report(tmp_path))
 

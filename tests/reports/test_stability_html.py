@@ -142,6 +142,8 @@ def test_the_report_shows_the_record_that_lies_beside_it(tmp_path):
     ids = [a["id"] for _, a in shown.elements if "id" in a]
     assert len(ids) == len(set(ids)) and {"stability", "atlas", "hard-cases"} <= set(ids)
     assert "The shaders break a promise" in shown_text(shown)
+    assert "shaders on hard inputs: a promise is broken" in shown.text["header"]
+    assert "#stability" in [a["href"] for tag, a in shown.elements if tag == "a"]
 
 
 def test_same_record_makes_the_same_bytes(folder, page):
