@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from reports.stability.hard import DENSE, Hard, Make, twin
 from reports.stability.hard_inputs import under_sky
-from scenes.schema import Material, Model
+from scenes.files import parse, read_toml
+from scenes.schema import Case, Material, Model
 
 ALPHA_MIN_ROUGHNESS = 0.01  # alpha 1e-4
 BASE = {"albedo": (0.6, 0.3, 0.05), "roughness": 0.4, "metallic": 0.0, "weight": 0.5}
@@ -22,6 +24,14 @@ def ball(masking: str = "paper", **fields: Any) -> Make:
         ("plane", material, {"position": (0.0, 0.0, -0.6), "scale": 8.0}),
         model=Model(masking=masking),
     )
+
+
+def out_of_gamut(folder: Path) -> Case:
+    """A metal given by an F0 whose red is more than all."""
+    path = folder / "gold.toml"
+    path.write_text("roughness = 0.4\nmetallic = 1.0\nmetal = [1.02, 0.77, 0.34]\n")
+    material = parse(Material, read_toml(path), path)
+    return under_sky(("sphere", material, {}))(folder)
 
 
 def rows() -> Iterator[Hard]:
@@ -94,4 +104,11 @@ def rows() -> Iterator[Hard]:
         why="its spectral F0 leaves sRGB (red 1.0046); F0 of RGB eta and k does not",
         case=ball(**METAL | {"metal": "Au"}),
         between=(0.0, 1.6),
+    )
+    yield row(
+        name="F0-out-of-gamut",
+        must_hold="it is refused in one line",
+        why="gold in saturated primaries has a red of 1.02: it would give back more than it gets",
+        case=out_of_gamut,
+        refused="metal",
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reports.stability.directions import MASKINGS
 from reports.stability.functions import FUNCTIONS, PARTS, Inputs
 from scenes.errors import InputError
 
@@ -15,7 +16,6 @@ DEFAULTS = {
     "f0": (1.0, 1.0, 1.0),
     "count": (1.0, 1.0, 1.0),
 }
-MASKINGS = ("paper", "smith")
 # Not one call of a function: what is integrated, or looked up.
 INTEGRALS = {
     "normalised": ("alpha", "weight"),

@@ -7,6 +7,7 @@ import numpy as np
 
 from renderer.features import features
 from renderer.probe import probe
+from reports.stability.directions import MASKINGS
 from reports.stability.grid import ALPHAS, COSINES, JUDGED, ONE, WEIGHTS, axis
 from reports.stability.maps import Shown, make_map
 from reports.stability.promise import PLACED
@@ -80,7 +81,7 @@ def maps(alphas: np.ndarray = ALPHAS[::2], cosines: np.ndarray = COSINES[::2]) -
         at_least=1 - NORMALISED,
         limit=1 + NORMALISED,
     )
-    for masking in ("paper", "smith"):
+    for masking in MASKINGS:
         found = [furnaces(alphas, cosines, w, masking) for w in WEIGHTS]
 
         def reproduce(at, masking=masking) -> list[Shown]:

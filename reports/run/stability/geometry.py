@@ -10,6 +10,7 @@ from renderer.probe import probe
 from renderer.targets import release
 from reports.furnace import Surface, furnace_albedo
 from reports.run.stability.sides import exact, shader
+from reports.stability.directions import MASKINGS
 from reports.stability.grid import ONE, WEIGHTS, axis, spread, unit
 from reports.stability.maps import make_map
 from reports.stability.results import Axis, Map
@@ -172,7 +173,7 @@ def tables() -> Iterator[Map]:
     every = [0, 1, 3, 7, 15, 31, 63, 95, 127]
     centre = _centres(every)
     axes = (axis("weight", WEIGHTS), axis("n.v", centre), axis("roughness", centre))
-    for masking in ("paper", "smith"):
+    for masking in MASKINGS:
         found, truth = (
             np.stack([side(every, every, float(w), masking) for w in WEIGHTS])
             for side in (_looked_up, _integrated)

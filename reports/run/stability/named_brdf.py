@@ -8,12 +8,12 @@ from reports.run.stability.brdf import SURFACE
 from reports.run.stability.named import Measured, Named, unfit
 from reports.run.stability.sides import exact, shader
 from reports.stability.agreement import TOLERANCE
+from reports.stability.directions import MASKINGS
 from reports.stability.functions import Inputs
 from reports.stability.grid import ALPHAS, COSINES, pairs, unit
 from reports.stability.maps import difference
 from scenes.schema import Material
 
-MASKINGS = ("paper", "smith")
 NEAR = len(COSINES)
 LOBES = ("D_GGX", "D_BECKMANN", "G_GGX", "G_BECKMANN", "DIFFUSE")
 UP = np.float32([[0, 0, 1], [0.6, 0, 0.8], [0.8, 0, 0.6], [1, 0, 1e-6], [0.28, 0.96, 1e-4]])
@@ -53,16 +53,15 @@ def narrowest() -> Measured:
 
 
 def grazing() -> Measured:
-    z = np.repeat(10.0 ** np.array([-6, -5, -4]), 3)
-    wo, wi = unit(z, 0 * z), unit(np.tile(z[::3], 3), np.pi + 0 * z)
-    worst = {m: 0.0 for m in MASKINGS}
-    for alpha in ALPHAS[::4]:
-        # Each pair is a cell of its own: of mirrored grazing pairs the least would hide.
-        for k in range(len(z)):
-            given = surface(alpha=alpha) | {"wi": np.float32(wi[[k]]), "wo": np.float32(wo[[k]])}
-            for m in MASKINGS:
-                worst[m] = max(worst[m], off(given, m))
-    return both(worst.__getitem__)
+    z = 10.0 ** np.array([-6, -5, -4])
+    cos_o, cos_i = np.repeat(z, 3), np.tile(z, 3)
+    wo, wi = (unit(c, turn + 0 * c).astype(np.float32) for c, turn in ((cos_o, 0), (cos_i, np.pi)))
+
+    def worst(masking: str) -> float:
+        given = [surface(alpha=a) | {"wi": wi, "wo": wo} for a in ALPHAS[::4]]
+        return max(off(g, masking, cells=len(wo)) for g in given)
+
+    return both(worst)
 
 
 def below() -> Measured:
@@ -106,8 +105,9 @@ def mirrored() -> Measured:
     wo = unit(cosine, 0.4 + 0 * cosine).astype(np.float32)
 
     def worst(masking: str) -> float:
-        rows = [{"wi": w * np.float32([-1, -1, 1]), "wo": w} for w in wo[:, None]]
-        return max(off(surface(alpha=a) | r, masking) for r in rows for a in (1e-4, 0.01, 1.0))
+        mirror = {"wi": wo * np.float32([-1, -1, 1]), "wo": wo}
+        given = [surface(alpha=a) | mirror for a in (1e-4, 0.01, 1.0)]
+        return max(off(g, masking, cells=len(wo)) for g in given)
 
     return both(worst)
 
@@ -124,8 +124,8 @@ def lobes_left_out() -> Measured:
 
 def weight_tiny() -> Measured:
     def worst(masking: str) -> float:
-        pairs_of = [(1e-7, 1 - 1e-7), (1 - 1e-7, 1e-7), (1e-30, 1.0)]
-        return max(off(surface(weight=w, weight_g=w) | near(0.1), masking, NEAR) for w in pairs_of)
+        ends = [(1e-7, 1 - 1e-7), (1 - 1e-7, 1e-7), (1e-30, 1.0)]
+        return max(off(surface(weight=w, weight_g=w) | near(0.1), masking, NEAR) for w in ends)
 
     return both(worst)
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from reports.run.stability.sides import exact, shader
 from reports.stability.agreement import TOLERANCE
+from reports.stability.directions import MASKINGS
 from reports.stability.functions import Inputs
 from reports.stability.grid import (
     ALPHA,
@@ -144,7 +145,7 @@ def maskings() -> Iterator[Map]:
     yield term("G_vcavity", (ONE, COSINE, ALPHA), both, judged=JUDGED)
     both["alpha"] = alpha
     yield term("G_smith", (ONE, COSINE, ALPHA), both, judged=JUDGED)
-    for masking in ("paper", "smith"):
+    for masking in MASKINGS:
         yield term("G_mixture", mixed, both, {"weight": SHARES}, masking=masking, judged=JUDGED)
 
 
