@@ -24,13 +24,16 @@ def main() -> int:
         "--from", type=int, default=0, dest="first", help="number of the first input"
     )
     parser.add_argument("--count", type=int, default=1)
+    parser.add_argument("--kind", default="", choices=SHARES, help="run inputs of this kind alone")
     parser.add_argument("--keep", type=Path, help="folder for the inputs that end wrong")
     parser.add_argument("--lines", type=Path, help="file for every refusal")
     options = parser.parse_args()
     keep = options.keep or Path(tempfile.mkdtemp(prefix="fuzz-"))
     keep.mkdir(parents=True, exist_ok=True)
     start = time.perf_counter()
-    tally = campaign(options.seed, range(options.first, options.first + options.count), keep)
+    tally = campaign(
+        options.seed, range(options.first, options.first + options.count), keep, options.kind
+    )
     took = time.perf_counter() - start
     for given, ended in tally.wrong:
         print(f"#{given.number} {given.kind} ({given.how}): {' | '.join(ended.problems)}")

@@ -43,8 +43,12 @@ class Tally:
         self.hungriest = sorted([*self.hungriest, (ended.grew / 2**20, *told)], reverse=True)[:10]
 
 
-def campaign(seed: int, numbers: range, keep: Path) -> Tally:
-    """Run inputs by number; the folders of those that end wrong stay in `keep`."""
+def campaign(seed: int, numbers: range, keep: Path, kind: str = "") -> Tally:
+    """Run inputs by number; the folders of those that end wrong stay in `keep`.
+
+    Args:
+        kind: of the inputs to run; all if empty.
+    """
     tally = Tally()
     with tempfile.TemporaryDirectory() as place, Supervisor() as supervisor:
         base, files = Path(place), corpus()
@@ -55,6 +59,9 @@ def campaign(seed: int, numbers: range, keep: Path) -> Tally:
             folder = base / str(number)
             folder.mkdir()
             given = lay_input(seed, number, files, base / "references", folder)
+            if kind not in ("", given.kind):
+                shutil.rmtree(folder)
+                continue
             ended = supervisor.run(given.words, given.watched)
             drawn = bool(given.drawn and ended.code == 0 and not ended.problems)
             if drawn:

@@ -10,7 +10,7 @@ import trimesh
 from reference.pack import pack
 from reference.store import Store
 from reports.speed.points import Bench
-from scenes.frame import Frame
+from scenes.frame import Frame, save_frame
 from scenes.suite import expand, load_suite
 from tests.reports.benches import bunnies, full_bench
 from tests.reports.pages import results, row
@@ -33,7 +33,7 @@ scene = "scene.toml"
 environments = ["sky.exr"]
 rotation = 30.0
 materials = ["brass.toml"]
-resolution = [24, 18]
+resolution = [32, 16]
 split_model = false
 [run.sweep]
 weight = [[0.5, 0.5]]
@@ -48,7 +48,7 @@ reason = "small"
 """
 SCENE = """\
 description = "one thing"
-resolution = [24, 18]
+resolution = [32, 16]
 
 [camera]
 origin = [0.0, -4.0, 3.0]
@@ -96,6 +96,7 @@ EXRS = {  # compression, pixel type, channels, tile size
     "pxr24": ("pxr24", oiio.FLOAT, "RGBZ", 0),
     "tiled": ("zip", oiio.FLOAT, "RGB", 16),
 }
+IDS = np.repeat([[1, 2]], 16, axis=1).repeat(16, axis=0).astype(np.uint8)  # left, right
 HERE = "@here@"  # in a case's JSON, where the folder's absolute path belongs
 SKY = np.random.default_rng(1).uniform(0.1, 2, (16, 32, 4)).astype(np.float32)
 
@@ -114,6 +115,8 @@ def corpus() -> dict[str, dict[str, bytes]]:
             "results": {"json": results([row()]).model_dump_json(indent=1).encode()},
             "bench": {"json": _bench().model_dump_json(indent=1).encode()},
         }
+        save_frame(Frame(SKY[..., :3], IDS), folder / "half.exr")
+        found["half"] = {form: (folder / f"half.{form}").read_bytes() for form in ("exr", "json")}
         lay(folder, found)
         (entry,) = expand(*load_suite(str(folder / "suite.toml")))
         case = entry.case.model_dump_json(indent=1).replace(str(folder.resolve()), HERE)
@@ -216,7 +219,7 @@ def fill(folder: Path, store: Path) -> None:
     case = entry.case
     shape, rng = (case.height, case.width, 3), np.random.default_rng(2)
     ids = np.zeros(shape[:2], np.uint8)
-    ids[3:15, 3:21] = 1
+    ids[2:14, 4:28] = 1
     picture = rng.uniform(0.5, 1, shape).astype(np.float32)
     for number in range(8):
         rgb = picture * rng.uniform(0.99, 1.01, shape).astype(np.float32)

@@ -15,10 +15,10 @@ MESHES = ("ply", "obj", "stl", "glb")
 # How often each kind comes; a candidate takes a whole comparison.
 SHARES = {
     "suite": 16, "scene": 14, "material": 8, "case": 4, "ply": 8, "obj": 8, "stl": 4, "glb": 10,
-    "exr": 14, "hdr": 6, "candidate": 3, "frame": 2, "results": 5, "bench": 5, "refs": 6,
+    "exr": 14, "hdr": 6, "candidate": 3, "frame": 2, "half": 2, "results": 5, "bench": 5, "refs": 6,
 }  # fmt: skip
 TREES = {"suite": "toml", "scene": "toml", "material": "toml"}
-TREES |= {"case": "json", "results": "json", "bench": "json"}
+TREES |= {"case": "json", "results": "json", "bench": "json", "half": "json"}
 DRAWN = 0.35  # share of what loads that is drawn too: it takes longest
 OTHER_THINGS = 0.015  # share of inputs that are no file at all
 EARLIER = ("report.html", "junit.xml", "summary.md")
@@ -56,8 +56,9 @@ def lay_input(
     kind = rng.choices(list(SHARES), list(SHARES.values()))[0]
     source = "exr" if kind in ("candidate", "frame") else kind
     variant, data = rng.choice(sorted(files[source].items()))
+    source = source if variant != "exr" else "exr"  # a half is a picture and its JSON
     changed, how = _changed(source, data, rng.choice(list(files[source].values())), rng)
-    target, words, watched, drawn = _use(kind, folder, files, store)
+    target, words, watched, drawn = _use(kind, variant, folder, files, store)
     if source == "case":
         changed = changed.replace(HERE.encode(), str(folder.resolve()).encode())
     target.unlink(missing_ok=True)
@@ -78,7 +79,7 @@ def _changed(source: str, data: bytes, other: bytes, rng: random.Random) -> tupl
 
 
 def _use(
-    kind: str, folder: Path, files: dict[str, dict[str, bytes]], store: Path
+    kind: str, variant: str, folder: Path, files: dict[str, dict[str, bytes]], store: Path
 ) -> tuple[Path, list[str], tuple[Path, ...], str]:
     """What reads a kind: the file's path, the command, the watched folders, the suite to draw."""
     lay(folder, files)
@@ -92,6 +93,9 @@ def _use(
     if kind == "frame":
         _results(out, files)
         return out / "paper.exr", ["report", "--out", str(out)], (out,), ""
+    if kind == "half":
+        _results(out, files)
+        return out / f"a.{variant}", ["report", "--out", str(out)], (out,), ""
     if kind == "bench":
         _results(out, files)
         if folder.name[-1] in "02468":
@@ -139,8 +143,10 @@ def _use(
 
 def _results(out: Path, files: dict[str, dict[str, bytes]]) -> None:
     (out / "results.json").write_bytes(files["results"]["json"])
-    for name in ("paper.exr", "a.exr", "b.exr"):
-        (out / name).write_bytes(files["exr"]["zip"])
+    (out / "paper.exr").write_bytes(files["exr"]["zip"])
+    for name in ("a", "b"):
+        for form, content in files["half"].items():
+            (out / f"{name}.{form}").write_bytes(content)
 
 
 def _lay_traps(folder: Path) -> None:
