@@ -12,7 +12,9 @@ from renderer.draw import Renderer
 from renderer.features import technique
 from reports.attack.detection import draws
 from reports.attack.injected import injected
+from reports.compare import Truth, exposures_of
 from reports.noise import sidak
+from reports.rows import judged_rows
 from reports.run.job import Job
 from reports.run.limits.alarms import false_alarms
 from reports.run.limits.judging import Gate, Pool
@@ -105,11 +107,19 @@ def test_rows_left_out_would_have_passed_every_set(gate):
     """What is asked of a row alone, and of none that is far from its budget, is the gate's word."""
     judge, orders = gate("energy_error = 0.05\nssim = 0.5"), draws(POOL, 10)
     seen = Seen(judge, orders, GAIN, 1)
-    words = {"fail": 2, "inconclusive": 1, "pass": 0}
+    (pool,) = judge.pools
+    case, words = pool.entry.case, {"fail": 2, "inconclusive": 1, "pass": 0}
+
+    def whole(frame, order):
+        batches = [pool.batches["unoccluded"][k] for k in order[:8]]
+        truth = Truth(case, "unoccluded", batches, exposures_of(case, batches))
+        rules = judge.job.suite.budget
+        rows = judged_rows(case, truth, {"paper": frame}, {}, rules, judge.job.family)
+        return max(words[row.verdict] for row in rows)
+
     for size in (0.03, 0.05, 0.053, 0.08):
-        frames = {"paper": seen.frame(size, 0, "paper")}
-        whole = [max(words[r.verdict] for r in judge.rows(0, frames, o)) for o in orders]
-        assert list(seen.sets(size, ["paper"])) == whole
+        frame = seen.frame(size, 0, "paper")
+        assert list(seen.sets(size, ["paper"])) == [whole(frame, order) for order in orders]
 
 
 def test_the_renderer_as_it_is_raises_no_false_alarm_and_a_wrong_one_raises_them_all(gate):

@@ -10,8 +10,12 @@ from renderer.features import Technique, technique
 from reports.attack.detection import CAUGHT, INCONCLUSIVE, share_interval
 from reports.attack.limits import FalseAlarms
 from reports.progress import reporting
-from reports.run.limits.judging import VERDICTS, Gate
+from reports.run.limits.judging import FAR, VERDICTS, Gate, Place, clearance
 from scenes.frame import Frame
+
+# Rows that are asked pass by less than that. What is left out would need a set that is off by more
+# than eight standard errors.
+ASKED = 2 * FAR
 
 
 def _finer(how: Technique) -> Technique:
@@ -38,16 +42,26 @@ def false_alarms(gate: Gate, orders: np.ndarray) -> list[FalseAlarms]:
     Args:
         orders: (sets, M) the batches of each set.
     """
-    outcomes = {what: np.zeros(len(orders), int) for what in HARMLESS}
-    frames = [{w: _drawn(gate, n, w) for w in HARMLESS} for n in range(len(gate.pools))]
-    with reporting(len(orders)) as report:
-        for number, order in enumerate(orders):
-            report.step("false alarms: a set of batches")
-            for pool, drawn in enumerate(frames):
-                for what, own in drawn.items():
-                    said = [VERDICTS[row.verdict] for row in gate.rows(pool, own, order)]
-                    outcomes[what][number] = max(outcomes[what][number], *said)
-    return [_told(what, found) for what, found in outcomes.items()]
+    told = []
+    with reporting(len(HARMLESS)) as report:
+        for what in HARMLESS:
+            report.step(f"false alarms: {what}")
+            outcomes = np.zeros(len(orders), int)
+            for place, frame in _near(gate, what):
+                said = [VERDICTS[gate.row(place, frame, order).verdict] for order in orders]
+                outcomes = np.maximum(outcomes, said)
+            told.append(_told(what, outcomes))
+    return told
+
+
+def _near(gate: Gate, what: str) -> list[tuple[Place, Frame]]:
+    """The rows that are asked, and their pictures: all but those that are far within budgets."""
+    near = []
+    for number in range(len(gate.pools)):
+        for label, frame in _drawn(gate, number, what).items():
+            rows = gate.budgeted(number, label, frame)
+            near += [(p, frame) for p, row in rows.items() if clearance(row)[0] > -ASKED]
+    return near
 
 
 def _drawn(gate: Gate, number: int, what: str) -> dict[str, Frame]:

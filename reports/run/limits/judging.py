@@ -24,6 +24,9 @@ from scenes.suite import Entry
 
 VERDICTS = {"fail": CAUGHT, "inconclusive": INCONCLUSIVE, "pass": PASSED, "reported": PASSED}
 REMEMBERED = 2_000_000_000  # bytes of truths
+# A row that passes by so many half widths of the whole pool's interval passes by every set. A set
+# of a quarter of the pool has twice the half width, some 4.5 standard errors, and moves by 3.
+FAR = 3.5
 
 
 class Place(NamedTuple):
@@ -81,14 +84,6 @@ class Gate:
             self.looks.append(min(2 * self.looks[-1], most))
         self.views: OrderedDict[tuple, tuple[Case, Truth]] = OrderedDict()
         self.remembered = 0
-
-    def rows(self, number: int, frames: dict[str, Frame], order: np.ndarray) -> list[Row]:
-        """All rows of a case, with batches added in this order until all is settled."""
-        for count in self.looks:
-            rows = self._rows(number, frames, order[:count])
-            if all(gate.settled(row) for row in rows):
-                break
-        return rows
 
     def row(self, place: Place, frame: Frame, order: np.ndarray) -> Row:
         """One row, judged alone: the others may ask for batches, but undo no verdict."""

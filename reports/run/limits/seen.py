@@ -12,13 +12,9 @@ from reports.attack.detection import CAUGHT, INCONCLUSIVE, PASSED, SHARE, Curve,
 from reports.attack.injected import Injected
 from reports.attack.limits import EVERY, Limit, Point
 from reports.results import Row
-from reports.run.limits.judging import VERDICTS, Gate, Place, clearance
+from reports.run.limits.judging import FAR, VERDICTS, Gate, Place, clearance
 from scenes.frame import Frame
 from scenes.schema import Case
-
-# A row that passes by so many half widths of the whole pool's interval passes by every set. A set
-# of a quarter of the pool has twice the half width, some 4.5 standard errors, and moves by 3.
-FAR = 3.5
 
 
 class Seen:
