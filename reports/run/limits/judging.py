@@ -154,6 +154,8 @@ def clearance(row: Row) -> tuple[float, str]:
 def _clearance(row: Row, figure: str) -> float:
     value, limit = getattr(row, figure), row.budget[figure]
     low, high = gate.bounds(row, figure, row.confidence)
+    if math.isnan(value):
+        return math.inf  # which the gate fails
     if math.isnan(low):
         return 0.0  # unknown: near enough to be looked at
     if figure in gate.LOWER:

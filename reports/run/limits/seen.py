@@ -1,5 +1,6 @@
 """One error of some sign: what the gate sees of it by size."""
 
+import math
 from collections import Counter
 from dataclasses import replace
 from functools import cache
@@ -59,7 +60,8 @@ class Seen:
         """The size from which a figure of a technique is over its budget, whatever its interval."""
 
         def over(size: float) -> float:
-            return max(clearance(row)[0] for row in self.rows(size, label).values())
+            rows = self.rows(size, label).values()
+            return max((clearance(row)[0] for row in rows), default=-math.inf)
 
         if label not in self.without_noise:
             self.without_noise[label] = noiseless(over, self.error.largest)
