@@ -44,15 +44,14 @@ def print_hard(cases: list[HardCase], console: Console) -> None:
 
 
 def print_points(texts: list[str], told: list[Told], console: Console) -> None:
-    """What each side makes of each point; of two, how far apart the shader's answers are."""
+    """What each side makes of each point; of two of one function, how far apart they are."""
     for text, sides in zip(texts, told, strict=True):
         console.print(text, style="bold", markup=False, soft_wrap=True)
         _print_sides(sides, console)
-    if len(told) == 2:
+    if len(told) == 2 and len({text.split()[0] for text in texts}) == 1:
         first, second = (dict(sides)["GLSL"].astype(float) for sides in told)
-        if first.shape == second.shape:
-            console.print("the second less the first", style="bold")
-            _print_sides([("GLSL", second - first)], console)
+        console.print("the second less the first", style="bold")
+        _print_sides([("GLSL", second - first)], console)
 
 
 def _print_sides(sides: Told, console: Console) -> None:

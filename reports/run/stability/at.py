@@ -21,12 +21,13 @@ def evaluate(point: Point) -> list[Told]:
         return told
     ours, truth = sides["GLSL"].astype(float), sides["float64"]
     told.append(("difference", np.abs(ours - truth)))
-    peak = np.abs(truth)
+    scale, words = np.abs(truth), "over |float64|"
     if point.name == "brdf":
         mirrored = point.inputs | {"wi": point.inputs["wo"] * np.float32([-1, -1, 1])}
-        peak = np.maximum(peak, FLOOR * np.abs(exact("brdf", mirrored, point.masking)[0]))
+        scale = np.maximum(scale, FLOOR * np.abs(exact("brdf", mirrored, point.masking)[0]))
+        words = "over max(|f|, 1e-4 of it at h = n)"
     with np.errstate(all="ignore"):
-        told.append(("over max(|f|, 1e-4 of it at h = n)", np.abs(ours - truth) / peak))
+        told.append((words, np.abs(ours - truth) / scale))
     return told
 
 

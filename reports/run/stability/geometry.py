@@ -49,8 +49,9 @@ def tangent_frame() -> Map:
         for k in range(3)
     ]
     M = np.stack(columns, axis=2).astype(float)
-    off = np.abs(M.transpose(0, 2, 1) @ M - np.eye(3)).max(axis=(1, 2))
-    off = np.maximum(off, np.abs(np.linalg.det(M) - 1))
+    with np.errstate(invalid="ignore"):  # of a frame that is broken
+        off = np.abs(M.transpose(0, 2, 1) @ M - np.eye(3)).max(axis=(1, 2))
+        off = np.maximum(off, np.abs(np.linalg.det(M) - 1))
     return make_map(
         "tangent_frame",
         "orthonormal",
