@@ -13,8 +13,8 @@ from reports.progress import reporting
 from reports.run.limits.judging import FAR, VERDICTS, Gate, Place, clearance
 from scenes.frame import Frame
 
-# Rows that are asked pass by less than that. What is left out would need a set that is off by more
-# than eight standard errors.
+# Rows that are asked pass by less than that; what is left out would fail only by a set that is off
+# by some twenty standard errors.
 ASKED = 2 * FAR
 
 
