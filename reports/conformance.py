@@ -70,11 +70,13 @@ def clamped(texels: np.ndarray, uv: np.ndarray) -> np.ndarray:
     return bilinear(texels, np.stack([np.clip(uv[:, 0], half, 1 - half), uv[:, 1]], 1))
 
 
-def trilinear(levels: list[np.ndarray], uv: np.ndarray, lod: float) -> np.ndarray:
-    """The same between two levels."""
-    lower = min(int(lod), len(levels) - 1)
-    upper, part = min(lower + 1, len(levels) - 1), lod - lower
-    return bilinear(levels[lower], uv) * (1 - part) + bilinear(levels[upper], uv) * part
+def trilinear(levels: list[np.ndarray], uv: np.ndarray, lod: np.ndarray | float) -> np.ndarray:
+    """The same between levels, each at its own `lod`, (n,) or one for all."""
+    lod = np.clip(np.broadcast_to(lod, len(uv)), 0, len(levels) - 1)
+    low, each = np.floor(lod).astype(int), np.arange(len(uv))
+    high, part = np.minimum(low + 1, len(levels) - 1), (lod - low)[:, None]
+    looked = np.stack([bilinear(level, uv) for level in levels])
+    return looked[low, each] * (1 - part) + looked[high, each] * part
 
 
 class Light:
@@ -97,10 +99,24 @@ class Light:
 
     def at(self, world: np.ndarray, turn: float = 0.0) -> np.ndarray:
         """Radiance (n, 3) from world directions (n, 3)."""
+        return bilinear(self.radiance, self.place(world, turn))
+
+    def place(self, world: np.ndarray, turn: float = 0.0) -> np.ndarray:
+        """Where in the map, (n, 2), a texture unit finds world directions (n, 3)."""
         rows = len(self.radiance)
         uv = latlong(world, turn)
         uv[:, 1] = (uv[:, 1] * (rows - 1) + 0.5) / rows
-        return bilinear(self.radiance, uv)
+        return uv
+
+    def level(self, world: np.ndarray, solid_angle: np.ndarray) -> np.ndarray:
+        """The level whose texels are as large as a solid angle, (n,).
+
+        Colbert and Krivanek 2007, eq. 13; nearer to a pole than half a row sin(theta) stays.
+        """
+        height, width = self.radiance.shape[:2]
+        sine = np.maximum(np.hypot(world[:, 0], world[:, 1]), 0.5 / height)
+        texel = 2 * np.pi**2 / (width * max(height - 1, 1)) * sine
+        return np.maximum(0.5 * np.log2(solid_angle / texel), 0)
 
     def convolved(
         self, axes: np.ndarray, kernels: list[Callable[[np.ndarray], np.ndarray]]

@@ -6,10 +6,13 @@ from functools import lru_cache
 import moderngl
 import numpy as np
 
+from renderer.context import context
 from renderer.features import Technique, features, split_samples, technique
 from renderer.precompute import BASE, Precomputed, brdf_table, precomputed
-from renderer.precompute.prefilter import LEVELS, SAMPLES
-from renderer.probe import probe
+from renderer.precompute.prefilter import LEVELS, SAMPLES, SIZE
+from renderer.probe import brdf_values, probe
+from renderer.program import bind_maps, fill, program, set_uniforms
+from renderer.targets import release
 from reports import conformance as defined
 from reports.conformance import Conformance, Light
 from reports.stability import oracle
@@ -26,11 +29,12 @@ ALLOWED = {
     "irradiance map": 5e-3,
     "prefiltered maps": 0.02,
     "prefiltered weights": 0.01,
-    "mirror's map": 0.1,
+    "mirror's map": 0.03,
     "tables": 0.01,
     "split sum": 5e-3,
     "samples": 1e-4,
     "densities": 1e-3,
+    "horizon": 0.0,
 }
 PLACES = 16  # of a map or table that are looked at; fewer where the light has more cells
 AFFORDED, FEWEST_PLACES = 40_000, 6
@@ -70,6 +74,9 @@ def conformance(entries: Iterable[Entry]) -> list[Conformance]:
     lights = {c.environment: (c, m, t) for c, m, t in split}
     for case, material, how in dict.fromkeys([*surfaces.values(), *lights.values()]):
         found.append(of_split_sum(case.environment, material, case.model, how))
+    found += [
+        of_horizon(m, c.model) for c, m in {(m, c.model): (c, m) for c, m, _ in used}.values()
+    ]
     for material, how in {(m, t) for _, m, t in used if t.samples}:
         found += of_samples(material, how)
     return [
@@ -106,20 +113,32 @@ def _spread(count: int, seed: int) -> np.ndarray:
 
 
 def of_light(environment: Environment) -> list[Conformance]:
-    """The radiance map, its levels, and how shaders look it up and pick a level."""
+    """The radiance map, its levels, and how shaders look it up, pick a level and draw it."""
     maps, name = precomputed(environment.path).maps, environment.name
     light, world = Light(load_environment(environment.path).radiance), _spread(512, 1)
-    turn = environment.rotation / 360
-    found = [
-        _made("light", _off(*pair), f"{where} of {name}")
-        for where, pair in {
-            "look-ups": (
-                _looked_up(maps, "vec4(radiance(at.xyz, 0.0), 0.0)", world, turn)[:, :3],
-                light.at(world.astype(np.float32), turn),
-            ),
-            "choice of levels": _levels(maps, light, world),
-        }.items()
-    ]
+    world, turn, levels = (
+        world.astype(np.float32).astype(float),
+        environment.rotation / 360,
+        _all(maps),
+    )
+    density = np.geomspace(1e-3, 1e6, len(world)).astype(np.float32).astype(float)
+    given = np.hstack([world, density[:, None]])
+    pairs = {
+        "look-ups": (
+            _looked_up(maps, "vec4(radiance(at.xyz, 0.0), 0.0)", given, turn)[:, :3],
+            light.at(world, turn),
+        ),
+        "look-ups between levels": (
+            _looked_up(maps, "vec4(radiance(at.xyz, 2.5), 0.0)", given, turn)[:, :3],
+            defined.trilinear(levels, light.place(world, turn), 2.5),
+        ),
+        "choice of levels": (
+            _looked_up(maps, "vec4(radiance_lod(at.xyz, at.w, 3.0))", given, turn)[:, 0],
+            light.level(world, 1 / (3 * density)),
+        ),
+        "background": _background(maps, levels, light, turn),
+    }
+    found = [_made("light", _off(*pair), f"{where} of {name}") for where, pair in pairs.items()]
     below = light.radiance
     height, width = below.shape[:2]
     edges = np.clip((np.arange(height + 1) - 0.5) / (height - 1), 0, 1)
@@ -141,15 +160,35 @@ def _looked_up(maps: dict, expression: str, world: np.ndarray, turn: float) -> n
     return probe(expression, {"at": world}, ("radiance.glsl",), uniforms=uniforms)
 
 
-def _levels(maps: dict, light: Light, world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The level that shaders pick for a density, and Colbert's and Krivanek's."""
-    height, width = light.radiance.shape[:2]
-    density = np.geomspace(1e-3, 1e6, len(world))
-    given = np.hstack([world, density[:, None]])
-    ours = _looked_up(maps, "vec4(radiance_lod(at.xyz, at.w, 3.0))", given, 0.0)[:, 0]
-    sine = np.maximum(np.hypot(world[:, 0], world[:, 1]), 0.5 / height)
-    texel = 2 * np.pi**2 / (width * max(height - 1, 1)) * sine
-    return ours, np.maximum(-0.5 * np.log2(3 * density * texel), 0)
+def _all(maps: dict) -> list[np.ndarray]:
+    """Every level of the radiance map, (H, W, 3) each."""
+    count = max(maps[BASE].width, maps[BASE].height).bit_length()
+    return [_texels(maps[BASE], level)[..., :3] for level in range(count)]
+
+
+def _background(
+    maps: dict, levels: list[np.ndarray], light: Light, turn: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """What a wide and coarse picture shows of the light alone, and what it should: (n, 3) each."""
+    gl, size, tangents = context(), (24, 18), (2.0, 1.5)
+    forward, right, up = np.array([[0.0, 0.8, -0.6], [1, 0, 0], [0, 0.6, 0.8]])
+    right, up = right * tangents[0], up * tangents[1]
+    area = 4 * tangents[0] * tangents[1] / (size[0] * size[1])
+    shader = program("fullscreen.vert", "background.frag")
+    uniforms = {"forward": forward, "right": right, "up": up, "picture_corner": (0, 0)}
+    uniforms |= {"picture_size": size, "pixel_area": area, "environment_turn": turn}
+    set_uniforms(shader, **uniforms)
+    bind_maps(shader, {BASE: maps[BASE]})
+    target = gl.framebuffer([gl.texture(size, 4, dtype="f4")])
+    fill(target, shader)
+    ours = np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)[:, :3]
+    release(target, *target.color_attachments)
+    y, x = ((np.indices(size[::-1]).reshape(2, -1).T + 0.5) / size[::-1] * 2 - 1).T
+    ray = forward + x[:, None] * right + y[:, None] * up
+    distance = np.linalg.norm(ray, axis=1)
+    world = ray / distance[:, None]
+    lod = light.level(world, area / distance**3)
+    return ours, defined.trilinear(levels, light.place(world, turn), lod)
 
 
 def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> list[Conformance]:
@@ -168,11 +207,10 @@ def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> 
         levels = {n: _texels(maps[n], level) for n in wanted}
         rows, columns, axes = _some(next(iter(levels.values())), light)
         if level == 0:
+            theirs = _mirrored(_all(maps), light, axes)
             for name, texels in levels.items():
                 mean = texels[rows, columns, :3] / texels[rows, columns, 3:]
-                found.append(
-                    _made("mirror's map", _off(mean, light.at(axes)), f"{name} of {place_of}")
-                )
+                found.append(_made("mirror's map", _off(mean, theirs), f"{name} of {place_of}"))
             continue
         kernels = [defined.reflected(LOBES[n.removeprefix("prefiltered_")], alpha) for n in wanted]
         for name, *theirs in zip(wanted, *light.convolved(axes, kernels), strict=True):
@@ -183,6 +221,13 @@ def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> 
             off = _off(ours[:, 3], theirs[1])
             found.append(_made("prefiltered weights", off, place))
     return found
+
+
+def _mirrored(levels: list[np.ndarray], light: Light, axes: np.ndarray) -> np.ndarray:
+    """The light over a texel of the finest prefiltered level, (n, 3)."""
+    sine = np.maximum(np.hypot(axes[:, 0], axes[:, 1]), 0.5 / SIZE[1])
+    lod = light.level(axes, 2 * np.pi**2 * sine / (SIZE[0] * SIZE[1]))
+    return defined.trilinear(levels, light.place(axes), lod)
 
 
 def _sampled_off(
@@ -288,6 +333,14 @@ def of_split_sum(
     theirs = defined.split_sum(material, cosine, L[:, :3] / L[:, 3:], ab, E)
     place = f"{material.name}, roughness {material.roughness:g}, in {environment.name}"
     return _made("split sum", _off(ours, theirs), place)
+
+
+def of_horizon(material: Material, model: Model) -> Conformance:
+    """What the BRDF sends from or to below the surface: nothing."""
+    wi, wo = (w[:2000] for w in directions(material.alpha))
+    below = np.float32([1, 1, -1])
+    sent = [brdf_values(material, *pair, model) for pair in ((wi * below, wo), (wi, wo * below))]
+    return _made("horizon", np.abs(sent).max(), f"{material.name}, masking {model.masking}")
 
 
 def of_samples(material: Material, how: Technique) -> list[Conformance]:
