@@ -37,21 +37,22 @@ def noiseless(over: Callable[[float], float], largest: float) -> float | None:
     Args:
         over: how far an error of some size is beyond its budget, without noise; above 0 it is.
     """
-    ladder = [largest / STRIDE**k for k in range(STEPS, -1, -1)]
-    beyond = [over(size) for size in ladder]
-    missed = [k for k, by in enumerate(beyond) if by <= 0]
-    if not missed:
-        return ladder[0]
-    if missed[-1] == STEPS:
+    known: dict[float, float] = {}
+    for k in range(STEPS + 1):  # downwards, until one is missed
+        known[log := math.log(largest / STRIDE**k)] = over(largest / STRIDE**k)
+        if known[log] <= 0:
+            break
+    else:
+        return largest / STRIDE**STEPS
+    if len(known) == 1:
         return None
-    ends = ladder[missed[-1]], ladder[missed[-1] + 1]
-    known = dict(zip(map(math.log, ladder), beyond, strict=True))
+    *_, caught, missed = known
 
     def bounded(log: float) -> float:
         by = known[log] if log in known else over(math.exp(log))
         return min(max(by, -10.0), 10.0)
 
-    return math.exp(brentq(bounded, *map(math.log, ends), xtol=math.log(FINE) / 2))
+    return math.exp(brentq(bounded, missed, caught, xtol=math.log(FINE) / 2))
 
 
 @dataclass
