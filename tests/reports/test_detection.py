@@ -68,7 +68,7 @@ def test_a_size_counts_only_where_all_larger_ones_are_caught():
     found = noiseless(lambda size: abs(size - 0.2) - 0.1, 1.0)
     assert found == pytest.approx(0.3, rel=0.01)
     assert noiseless(lambda size: 0.1 - size, 1.0) is None
-    assert noiseless(lambda size: size, 1.0) == 4**-5
+    assert noiseless(lambda size: size, 1.0) == 4**-6
 
 
 def test_no_alarm_in_300_bounds_the_share_by_one_and_a_quarter_percent():
