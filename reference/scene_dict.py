@@ -97,10 +97,13 @@ def environment(source: Environment, radiance: np.ndarray) -> dict:
     Mitsuba's column u lies at atan2(x, -z) = 2 pi u of local space and its rows run along y; ours
     at atan2(x, y) = 2 pi (u - rotation / 360) and along z.
     """
+    lit = bool(radiance.any())
     upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
     return {
         "type": "envmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(radiance)),
+        # Directions are drawn by brightness, which for a black map is 0/0.
+        "bitmap": mi.Bitmap(np.ascontiguousarray(radiance if lit else np.ones_like(radiance))),
+        "scale": float(lit),
         "to_world": mi.ScalarTransform4f().rotate([0, 0, 1], source.rotation) @ upright,
     }
 

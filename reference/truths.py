@@ -148,6 +148,9 @@ def stage(case: Case, kind: Kind) -> Stage:
     light = physical_light if kind == "physical" else model_light
     light = partial(light, alone=True) if nothing_occludes(case) else light
     traced, ids = covered(_bare(case))
+    if not traced.any():  # nothing of the objects is seen; one pixel is, so that no truth is empty
+        traced = np.zeros_like(traced)
+        traced[0, 0] = True
     lamps, background = caustics(case, scene), _background(scene, case, ~traced)
     return Stage(case, scene, light, lamps, traced, background, ids, notes)
 

@@ -15,6 +15,7 @@ from scenes.files import checked_file
 FORMATS = (".exr", ".hdr")
 DECODERS = {".exr": "openexr", ".hdr": "hdr"}  # as OpenImageIO calls what must be inside
 BRIGHTEST = 1e15  # sums of squared radiance over a map stay inside float32
+FAINTEST = 1e-30  # less counts as 0: times a solid angle it would be a denormal, or lost
 GREY = ("Y", "L", "LUMINANCE")
 LARGEST = 16384  # texels a side that every OpenGL 4 driver takes
 MOST_BLANK = 1 << 24  # pixels that a file may show without storing them
@@ -62,7 +63,8 @@ def load_environment(path: Path) -> RadianceMap:
             problem = f"{int(bad.sum())} values are {what}, first at row {row}, column {column}"
             raise InputError(path, "environment", problem, "repair or re-export the map")
     negatives = int((pixels < 0).sum())
-    return RadianceMap(_three_rows(np.maximum(pixels, 0)), negatives)
+    kept = np.where(pixels >= FAINTEST, pixels, np.float32(0))
+    return RadianceMap(_three_rows(kept), negatives)
 
 
 def _three_rows(radiance: np.ndarray) -> np.ndarray:
