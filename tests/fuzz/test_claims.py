@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import signal
 import struct
 import zipfile
 from pathlib import Path
@@ -125,6 +126,21 @@ def test_a_glb_of_zeros_or_with_its_triangles_elsewhere_is_refused(files, refuse
     refused_cheaply("b.glb", resized(data, elsewhere), mesh, "in another file", "as one file")
 
 
+@pytest.fixture
+def in_time():
+    """Fail, and do not wait for ever, where a pipe is opened after all."""
+
+    def late(*_):
+        raise TimeoutError("a pipe or a device is read")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(20)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.usefixtures("in_time")
 @pytest.mark.parametrize("other", ["/dev/zero", "endless.mtl"])
 def test_the_files_that_a_mesh_names_are_not_opened(files, tmp_path, other):
     os.mkfifo(tmp_path / "endless.mtl")  # whoever opens it waits for ever
@@ -146,6 +162,7 @@ def test_a_pack_that_unfolds_is_refused_before_it_does(refused_cheaply, tmp_path
     refused_cheaply("a.refs", made.getvalue(), lambda path: unpack(path, into), "is compressed")
 
 
+@pytest.mark.usefixtures("in_time")
 @pytest.mark.parametrize("aim", ["/dev/zero", "/dev/full", "pipe", "folder", "loop"])
 def test_what_is_no_file_is_not_read(tmp_path, refused, aim):
     os.mkfifo(tmp_path / "pipe")
