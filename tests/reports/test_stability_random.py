@@ -1,6 +1,7 @@
 """Random surfaces and directions, drawn by hypothesis: the shaders agree and stay finite."""
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
@@ -33,11 +34,13 @@ def inputs(drawn: np.ndarray, alpha_from: float, cosine_from: float) -> Inputs:
     return {"alpha": alpha.astype(np.float32), "wi": np.float32(wi), "wo": np.float32(wo)}
 
 
-@once
-@given(rows, shares, shares, colours, reflectances, st.sampled_from(["paper", "smith"]))
-def test_the_brdf_agrees_with_float64_and_is_finite_and_reciprocal(
-    drawn, weight, weight_g, albedo, f0, masking
-):
+surfaces = st.tuples(
+    rows, shares, shares, colours, reflectances, st.sampled_from(["paper", "smith"])
+)
+
+
+def keeps_its_promises(drawn, weight, weight_g, albedo, f0, masking):
+    """The BRDF agrees with float64, and is finite and reciprocal."""
     surface = {"albedo": albedo, "f0": f0}
     surface |= {"weight": (weight, 1 - weight), "weight_g": (weight_g, 1 - weight_g)}
     pairs = inputs(drawn, 1e-4, 1e-6) | surface
@@ -49,6 +52,19 @@ def test_the_brdf_agrees_with_float64_and_is_finite_and_reciprocal(
     assert (np.abs(ours - truth) <= TOLERANCE * scale + 1e-37).all()
     back = shader("brdf", pairs | {"wi": pairs["wo"], "wo": pairs["wi"]}, masking)
     assert (np.abs(back - ours) <= 1e-6 * ours + 1e-37).all()
+
+
+@once
+@given(surfaces)
+def test_the_brdf_agrees_with_float64_and_is_finite_and_reciprocal(surface):
+    keeps_its_promises(*surface)
+
+
+@pytest.mark.long
+@settings(once, max_examples=5000)
+@given(surfaces)
+def test_the_brdf_does_so_on_160000_pairs(surface):
+    keeps_its_promises(*surface)
 
 
 @once
