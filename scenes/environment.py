@@ -98,8 +98,7 @@ def read_pixels(path: Path, field: str, size: tuple[int, int] | None = None) -> 
 def _read(path: Path, field: str, size: tuple[int, int] | None) -> np.ndarray:
     image = oiio.ImageInput.open(str(path))
     if image is None:
-        said = oiio.geterror().strip().splitlines() or ["unknown format"]
-        reason = re.sub(r"EXR Error \(.*?\): |EXR_ERR_\w+ ", "", said[-1]).strip(' ."')
+        reason = _in_short(oiio.geterror())
         problem = f"cannot be read ({reason})"
         raise InputError(path, field, problem, "export it again")
     try:
@@ -123,6 +122,13 @@ def _read(path: Path, field: str, size: tuple[int, int] | None) -> np.ndarray:
     pixels = np.asarray(pixels, np.float32).reshape(spec.height, spec.width, beyond - first)
     pixels = _whole(pixels[..., [place - first for place in rgb]], spec)
     return np.ascontiguousarray(pixels[:: FLIPS[orientation][0], :: FLIPS[orientation][1]])
+
+
+def _in_short(said: str) -> str:
+    """The last line of what OpenImageIO says, without its codes and its advice to programmers."""
+    lines = [line for line in said.strip().splitlines() if "OIIO" not in line]
+    last = lines[-1] if lines else "unknown format"
+    return re.sub(r"EXR Error \(.*?\): |EXR_ERR_\w+ ", "", last).strip(' ."')
 
 
 def _check_size(
