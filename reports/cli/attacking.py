@@ -13,7 +13,7 @@ from reports.cli.app import app, console
 from reports.cli.options import OUT, OutOption
 from scenes.errors import InputError
 
-COUNT, SEED = 100, 5
+COUNT, SEED = 60, 5
 
 
 @app.command()

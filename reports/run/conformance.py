@@ -60,6 +60,7 @@ def conformance(entries: Iterable[Entry]) -> list[Conformance]:
     read: dict[Environment, set[str]] = {}
     for case, material, how in split:
         read.setdefault(case.environment, set()).update(how.maps(material, case.model))
+    found += [of_mirror(e) for e in {e.path: e for e in read}.values()]
     for path in {e.path for e in read}:
         names = set().union(*(maps for e, maps in read.items() if e.path == path))
         precomputed(path).need(sorted(names))
@@ -170,7 +171,7 @@ def _background(
     maps: dict, levels: list[np.ndarray], light: Light, turn: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """What a wide and coarse picture shows of the light alone, and what it should: (n, 3) each."""
-    gl, size, tangents = context(), (24, 18), (2.0, 1.5)
+    size, tangents = (24, 18), (2.0, 1.5)
     forward, right, up = np.array([[0.0, 0.8, -0.6], [1, 0, 0], [0, 0.6, 0.8]])
     right, up = right * tangents[0], up * tangents[1]
     area = 4 * tangents[0] * tangents[1] / (size[0] * size[1])
@@ -179,16 +180,39 @@ def _background(
     uniforms |= {"picture_size": size, "pixel_area": area, "environment_turn": turn}
     set_uniforms(shader, **uniforms)
     bind_maps(shader, {BASE: maps[BASE]})
-    target = gl.framebuffer([gl.texture(size, 4, dtype="f4")])
-    fill(target, shader)
-    ours = np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)[:, :3]
-    release(target, *target.color_attachments)
+    ours = _filled(shader, size)[:, :3]
     y, x = ((np.indices(size[::-1]).reshape(2, -1).T + 0.5) / size[::-1] * 2 - 1).T
     ray = forward + x[:, None] * right + y[:, None] * up
     distance = np.linalg.norm(ray, axis=1)
     world = ray / distance[:, None]
     lod = light.level(world, area / distance**3)
     return ours, defined.trilinear(levels, light.place(world, turn), lod)
+
+
+def _filled(shader: moderngl.Program, size: tuple[int, int]) -> np.ndarray:
+    """What a program writes into `size` (width, height) pixels, (n, 4), rows from the bottom."""
+    target = context().framebuffer([context().texture(size, 4, dtype="f4")])
+    fill(target, shader)
+    pixels = np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)
+    release(target, *target.color_attachments)
+    return pixels
+
+
+def of_mirror(environment: Environment) -> Conformance:
+    """What a mirror would see in a map of coarse texels: the light over each, not a point of it."""
+    maps, light = (
+        precomputed(environment.path).maps,
+        Light(load_environment(environment.path).radiance),
+    )
+    size = (32, 16)
+    shader = program("fullscreen.vert", "prefilter.frag", frozenset({"D_GGX"}))
+    set_uniforms(shader, alpha=ALPHA_MIN, count=1, size=size)
+    bind_maps(shader, {BASE: maps[BASE]})
+    sums = _filled(shader, size)
+    y, x = (np.indices(size[::-1]).reshape(2, -1) + 0.5) / np.array(size[::-1])[:, None]
+    theirs = _mirrored(_all(maps), light, defined.direction(np.stack([x, y], 1)), size)
+    place = f"a coarse one of {environment.name}"
+    return _made("mirror's map", _off(sums[:, :3] / sums[:, 3:], theirs), place)
 
 
 def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> list[Conformance]:
@@ -207,7 +231,7 @@ def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> 
         levels = {n: _texels(maps[n], level) for n in wanted}
         rows, columns, axes = _some(next(iter(levels.values())), light)
         if level == 0:
-            theirs = _mirrored(_all(maps), light, axes)
+            theirs = _mirrored(_all(maps), light, axes, SIZE)
             for name, texels in levels.items():
                 mean = texels[rows, columns, :3] / texels[rows, columns, 3:]
                 found.append(_made("mirror's map", _off(mean, theirs), f"{name} of {place_of}"))
@@ -223,10 +247,12 @@ def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> 
     return found
 
 
-def _mirrored(levels: list[np.ndarray], light: Light, axes: np.ndarray) -> np.ndarray:
-    """The light over a texel of the finest prefiltered level, (n, 3)."""
-    sine = np.maximum(np.hypot(axes[:, 0], axes[:, 1]), 0.5 / SIZE[1])
-    lod = light.level(axes, 2 * np.pi**2 * sine / (SIZE[0] * SIZE[1]))
+def _mirrored(
+    levels: list[np.ndarray], light: Light, axes: np.ndarray, size: tuple[int, int]
+) -> np.ndarray:
+    """The light over texels of a map of `size` (width, height), (n, 3)."""
+    sine = np.maximum(np.hypot(axes[:, 0], axes[:, 1]), 0.5 / size[1])
+    lod = light.level(axes, 2 * np.pi**2 * sine / (size[0] * size[1]))
     return defined.trilinear(levels, light.place(axes), lod)
 
 
