@@ -8,17 +8,20 @@ import numpy as np
 
 from renderer.context import context
 from renderer.features import Technique, features, split_samples, technique
+from renderer.objects import placed
 from renderer.precompute import BASE, Precomputed, brdf_table, precomputed
 from renderer.precompute.prefilter import LEVELS, SAMPLES, SIZE
 from renderer.probe import brdf_values, probe
 from renderer.program import bind_maps, fill, program, set_uniforms
 from renderer.targets import release
+from renderer.view import view
 from reports import conformance as defined
 from reports.conformance import Conformance, Light
 from reports.stability import oracle
 from reports.stability.directions import directions
 from scenes.environment import load_environment
-from scenes.schema import ALPHA_MIN, Environment, Material, Model
+from scenes.mesh import placement
+from scenes.schema import ALPHA_MIN, Case, Environment, Material, Model
 from scenes.suite import Entry
 
 # What a correct renderer is off by, measured over the suites that come with the code, and some
@@ -35,6 +38,7 @@ ALLOWED = {
     "samples": 1e-4,
     "densities": 1e-3,
     "horizon": 0.0,
+    "normals": 1e-5,
 }
 PLACES = 16  # of a map or table that are looked at; fewer where the light has more cells
 AFFORDED, FEWEST_PLACES = 40_000, 6
@@ -54,6 +58,7 @@ def conformance(entries: Iterable[Entry]) -> list[Conformance]:
         for o in e.case.objects
         for name in e.techniques
     ]
+    found.append(of_normals(used[0][0]))
     for environment in {c.environment.path: c.environment for c, _, _ in used}.values():
         found += of_light(environment)
     split = [(c, m, t) for c, m, t in used if not t.samples]
@@ -111,6 +116,33 @@ def _spread(count: int, seed: int) -> np.ndarray:
     some = np.stack([s * np.sin(phi), s * np.cos(phi), z], 1)
     some[:4] = [0, 0, 1], [0, 0, -1], [1e-3, 1, 0], [-1e-3, 1, 0]
     return some / np.linalg.norm(some, axis=1, keepdims=True)
+
+
+def of_normals(case: Case) -> Conformance:
+    """Normals of one large triangle on a stretched and turned object, pixel by pixel.
+
+    What interpolation does is next to nothing on a finely divided mesh, and all there is on a
+    coarse one.
+    """
+    thing = case.objects[0].model_copy(
+        update={"scale": (2.0, 0.5, 1.0), "rotate": (20.0, 30.0, 40.0), "height": None}
+    )
+    corners = np.float32([[-1, -1, 0], [3, -1, 0], [-1, 3, 0]])
+    normals = np.float32([[0.6, 0, 0.8], [0, 1, 0], [-0.48, 0.6, 0.64]])
+    shader, size = program("mesh.vert", "surface.frag"), (16, 16)
+    whole = np.eye(4, dtype=np.float32).tobytes()
+    set_uniforms(shader, **placed(thing, view(case)) | {"to_clip": whole, "number": 1.0})
+    gl = context()
+    vertices = gl.buffer(np.hstack([corners, normals]).tobytes())
+    triangle = gl.vertex_array(shader, [(vertices, "3f 3f", "position", "normal")])
+    ours = _filled(triangle, size)[:, :3]
+    release(triangle, vertices)
+    y, x = (np.indices(size).reshape(2, -1) + 0.5) / 16 / 2  # barycentric; corners lie outside
+    world = normals @ np.linalg.inv(placement(thing)[:3, :3])
+    world /= np.linalg.norm(world, axis=1, keepdims=True)
+    theirs = (1 - x - y)[:, None] * world[0] + x[:, None] * world[1] + y[:, None] * world[2]
+    theirs /= np.linalg.norm(theirs, axis=1, keepdims=True)
+    return _made("normals", _off(ours, theirs), "a stretched triangle")
 
 
 def of_light(environment: Environment) -> list[Conformance]:
@@ -189,10 +221,18 @@ def _background(
     return ours, defined.trilinear(levels, light.place(world, turn), lod)
 
 
-def _filled(shader: moderngl.Program, size: tuple[int, int]) -> np.ndarray:
-    """What a program writes into `size` (width, height) pixels, (n, 4), rows from the bottom."""
+def _filled(drawn: moderngl.Program | moderngl.VertexArray, size: tuple[int, int]) -> np.ndarray:
+    """What a fragment program, or triangles, write into `size` (width, height) pixels.
+
+    Returns:
+        (n, 4), rows from the bottom.
+    """
     target = context().framebuffer([context().texture(size, 4, dtype="f4")])
-    fill(target, shader)
+    if isinstance(drawn, moderngl.Program):
+        fill(target, drawn)
+    else:
+        target.use()
+        drawn.render()
     pixels = np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)
     release(target, *target.color_attachments)
     return pixels
