@@ -26,6 +26,8 @@ Degrees = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False, strict=
 Switch = Annotated[bool, Field(strict=True)]
 RGB = tuple[Unit, Unit, Unit]
 Vector = tuple[Finite, Finite, Finite]
+Coordinate = Annotated[float, Field(ge=-1e15, le=1e15, allow_inf_nan=False, strict=True)]
+Place = tuple[Coordinate, Coordinate, Coordinate]  # squares stay inside float32
 
 PRIMITIVES = ("sphere", "plane")
 ALPHA_MIN = 1e-4  # Mitsuba's microfacet plugins floor alpha here, so both sides do.
@@ -192,9 +194,9 @@ def model_steps(model: Model) -> list[Model]:
 class Camera(Strict):
     """A pinhole; `fov` is vertical, in degrees; world is z up."""
 
-    origin: Vector
-    target: Vector
-    up: Vector = (0.0, 0.0, 1.0)
+    origin: Place
+    target: Place
+    up: Place = (0.0, 0.0, 1.0)
     fov: Annotated[float, Field(gt=0, lt=170, strict=True)]
 
     @model_validator(mode="after")
@@ -205,7 +207,7 @@ class Camera(Strict):
             to[2] * self.up[0] - to[0] * self.up[2],
             to[0] * self.up[1] - to[1] * self.up[0],
         )
-        if cross < 1e-6 * math.hypot(*to) * math.hypot(*self.up) or math.hypot(*to) == 0:
+        if not cross > 1e-6 * math.hypot(*to) * math.hypot(*self.up):  # so it is too if up is 0
             raise ValueError("origin, target and up lie on one line; move the target or turn up")
         return self
 

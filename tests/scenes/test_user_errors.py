@@ -64,6 +64,8 @@ IN_SCENE = [
     ("fov = 30.0", "fov = 30.0\nzoom = 2", "camera.zoom", "FORMAT.md"),
     ("target = [0.0, 0.0, 0.0]", "target = [0.0, nan, 0.0]", "camera.target.1", "finite"),
     ("target = [0.0, 0.0, 0.0]", "target = [0.0, -4.0, 0.0]", "camera", "move the target"),
+    ("fov = 30.0", "fov = 30.0\nup = [0, 0, 0]", "camera", "turn up"),
+    ("[0.0, -4.0, 0.0]", "[0.0, -1e200, 0.0]", "camera.origin.1", "from -1e+15 up"),
     ("[camera]", "[camera", "line 4", "mend the syntax"),
     ("[camera]", "x = " + "[" * 5000, "is not TOML", "mend the syntax"),
 ]
