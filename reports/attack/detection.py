@@ -17,7 +17,7 @@ from scipy.stats import binomtest, norm
 
 SHARE = 0.95  # of the sets, in which an error must be caught
 FINE = 1.02  # ratio of the sizes between which the 95 % point lies in the end
-NEAR = 0.8  # a share from which interpolation is as good as another size
+NEAR, COARSE = 0.8, 1.1  # from such a share at such a ratio the fit is as good as another size
 FIRST_STEP, GROWTH = 1.04, 1.6  # upwards from the noiseless size: 4 %, then larger steps
 STRIDE, STEPS = 4, 6  # from the largest size down to a 4000th of it
 FIRST_SETS = 20  # of which half must catch an error, or the others are not asked
@@ -138,7 +138,7 @@ def traced(judge: Callable[[float, slice], np.ndarray], start: float, largest: f
         if size >= largest:
             return curve
         low, size, step = size, min(size * step, largest), step**GROWTH
-    while low and size / low > FINE and curve.share(low) < NEAR:
+    while low and size / low > (FINE if curve.share(low) < NEAR else COARSE):
         middle = math.sqrt(low * size)
         low, size = (low, middle) if often(middle) else (middle, size)
     step = FIRST_STEP
