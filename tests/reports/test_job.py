@@ -265,6 +265,17 @@ def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limi
     assert load_results(tmp_path / "out/results.json").verdict == ("fail" if code else "pass")
 
 
+def test_a_verdict_alone_is_the_gates_and_comes_without_a_report(shadeproof, tmp_path):
+    suite = tmp_path / "mine.toml"
+    suite.write_text(limited(0.001))
+    out = tmp_path / "out"
+    assert shadeproof("gate", "--verdict-only", "--suite", suite, "--out", out)[0] == 1
+    assert not (out / "report.html").exists()
+    results = load_results(out / "results.json")
+    assert results.ladders == []
+    assert all(np.isnan(r.flip) and r.energy_local > 0 for r in results.rows)
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
