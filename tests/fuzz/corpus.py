@@ -120,7 +120,10 @@ def corpus() -> dict[str, dict[str, bytes]]:
         lay(folder, found)
         (entry,) = expand(*load_suite(str(folder / "suite.toml")))
         case = entry.case.model_dump_json(indent=1).replace(str(folder.resolve()), HERE)
-        case = case.replace('"weight": 0.5', '"weight": 1.0')  # Cycles has no mixtures
+        # Cycles has no mixtures.
+        case = case.replace('"weight": 0.5', '"weight": 1.0').replace(
+            '"metallic": 0.9', '"metallic": 1.0'
+        )
         found["case"] = {"json": case.encode()}
         found["refs"] = {"zip": _pack(folder)}
     return found
