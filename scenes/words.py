@@ -86,7 +86,8 @@ def _in_words(mistake: Any, kind: type[BaseModel] | None) -> tuple[str, str]:
     if cause == "extra_forbidden":
         known = kind and len(place) == 1
         remedy = f"use one of {', '.join(sorted(kind.model_fields))}" if known else FIELDS
-        return "unknown field", remedy
+        name = str(place[-1])  # told with its place, unless it is no name at all
+        return "unknown field" + ("" if name.isidentifier() else f" {show(name)}"), remedy
     if cause == "missing":
         return "is missing", f"add it; {FIELDS}"
     if cause == "json_invalid":

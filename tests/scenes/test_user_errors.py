@@ -61,6 +61,7 @@ IN_SCENE = [
     ("[64, 48]", "[64, true]", "resolution.1", "give a whole number"),
     ('mesh = "sphere"', 'mesh = "sphere"\njudged = 1', "object.0.judged", "true or false"),
     ("fov = 30.0", "", "camera.fov", "add it"),
+    ("fov = 30.0", 'fov = 30.0\n"a/b" = 2', "camera", "unknown field 'a/b'"),
     ("fov = 30.0", "fov = 30.0\nzoom = 2", "camera.zoom", "FORMAT.md"),
     ("target = [0.0, 0.0, 0.0]", "target = [0.0, nan, 0.0]", "camera.target.1", "finite"),
     ("target = [0.0, 0.0, 0.0]", "target = [0.0, -4.0, 0.0]", "camera", "move the target"),
