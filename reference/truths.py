@@ -100,6 +100,10 @@ class Stage:
         """Mean radiance (n, 3) of the traced pixels, by the names that `light` gives."""
         samples = rounded_samples(samples)
         y, x = np.nonzero(self.traced)
+        if not len(x):  # no object is in sight: one pixel tells the names of what is traced
+            corner, factor = mi.Point2f(0, 0), np.zeros(1, np.float32)
+            named = self._trace_pixels(light, corner, factor, samples, seed)
+            return {name: pixels[:0] for name, pixels in named.items()}
         control = self.control if light is not openness else np.zeros(len(x), np.float32)
         chunk, parts = max(MAX_WAVEFRONT // samples, 1), []
         for number, start in enumerate(range(0, len(x), chunk)):
@@ -148,9 +152,6 @@ def stage(case: Case, kind: Kind) -> Stage:
     light = physical_light if kind == "physical" else model_light
     light = partial(light, alone=True) if nothing_occludes(case) else light
     traced, ids = covered(_bare(case))
-    if not traced.any():  # nothing of the objects is seen; one pixel is, so that no truth is empty
-        traced = np.zeros_like(traced)
-        traced[0, 0] = True
     lamps, background = caustics(case, scene), _background(scene, case, ~traced)
     return Stage(case, scene, light, lamps, traced, background, ids, notes)
 

@@ -25,7 +25,7 @@ def test_without_light_every_truth_is_black(tmp_path, name):
 def test_where_no_object_is_seen_every_truth_is_the_environment(tmp_path, name):
     seen = pictures(hard_cases()[name].case(tmp_path))
     for picture in seen:
-        assert np.isfinite(picture).all() and 0.5 <= picture.min() and picture.max() <= 1.5
+        assert np.isfinite(picture).all() and picture.min() >= 0.5 and picture.max() <= 1.5
         np.testing.assert_array_equal(picture, seen[0])
 
 
