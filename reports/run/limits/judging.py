@@ -25,8 +25,9 @@ from scenes.suite import Entry
 VERDICTS = {"fail": CAUGHT, "inconclusive": INCONCLUSIVE, "pass": PASSED, "reported": PASSED}
 REMEMBERED = 2_000_000_000  # bytes of truths
 # A row that passes by so many half widths of the whole pool's interval passes by every set. A set
-# of a quarter of the pool has twice the half width, some 4.5 standard errors, and moves by 3.
-FAR = 3.5
+# of a quarter of the pool has twice the half width, of local energy up to twice that, since few
+# batches overstate it: at 4, one set of 300 was seen to be inconclusive, at 4.8 none.
+FAR = 5.0
 
 
 class Place(NamedTuple):
