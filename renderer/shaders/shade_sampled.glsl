@@ -51,10 +51,12 @@ vec2 pixel_shift() {
     return vec2(p.xy >> 8u) * (1.0 / 16777216.0);
 }
 
-// Point i of the n that one of the pixel's sets has: its part of one set for the whole pixel. Where
-// the sets see alike they are as good as that one; each takes its own range of u.x.
+// Point i of the n that one of the pixel's sets has. Each set spans the lobe, for it may see what no
+// other does; where they see alike, their points fall between one another's.
 vec2 sample_point(int i, int n, int set, int sets, vec2 shift) {
-    return fract(hammersley(uint(set * n + i), uint(n * sets)) + shift);
+    const float GOLDEN = 0.618033988749895; // the fraction whose multiples lie furthest apart
+    vec2 between = vec2(float(set) / float(n * sets), GOLDEN * float(set));
+    return fract(hammersley(uint(i), uint(n)) + between + shift);
 }
 
 vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {

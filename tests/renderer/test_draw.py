@@ -167,6 +167,18 @@ def test_sampled_in_constant_light_is_the_directional_albedo(
         np.testing.assert_allclose(seen[row, column], 2 * albedo, rtol=0.004)
 
 
+def test_every_coverage_sample_sees_the_whole_lobe(light, make_case):
+    y, x = np.mgrid[:64, :128]
+    sun = 1e5 * np.exp(-((y - 14) ** 2 + (x - 35) ** 2) / 20)
+    gold = Material(roughness=0.3, metallic=1.0, metal="Au", weight=0.5)
+    # Pixels so wide that their four normals see the sun each by another part of the lobe.
+    case = make_case(light(1 + sun[..., None] * np.ones(3)), ("sphere", gold, {}), size=(24, 18))
+    how = technique("sampled@4096")
+    ours = Renderer(how, repeats=0).render(case).rgb.sum()
+    theirs = Renderer(replace(how, supersample=8), repeats=0).render(case).rgb.sum()
+    assert ours == pytest.approx(theirs, rel=0.02)  # what four normals a pixel miss
+
+
 @pytest.mark.parametrize("weight", [1.0, 0.5, 0.25])
 @pytest.mark.parametrize("albedo", [0.0, 0.6])
 def test_few_directions_keep_the_energy_of_every_lobe(light, make_case, weight, albedo):
