@@ -32,6 +32,8 @@ from typing import Literal, get_args
 import numpy as np
 from scipy.special import erf
 
+from reports.stability.quadrature import panels
+
 NODES = 24  # per panel and dimension; errors below 5e-6 for alpha in [.01, 1], angles to 89°
 BECKMANN_END = 6.5  # slopes over alpha; what lies beyond weighs exp(-42)
 
@@ -113,7 +115,7 @@ def facets(ndf: NDF, alpha: float, theta: float, lit: bool, nodes: int = NODES) 
     tan = np.tan(theta)
     # tan(theta_o) cos(phi) = ±1, 0: x crosses π/4, π/2 and 3π/4, quickly where wo grazes.
     turns = np.arccos([1 / tan, 0, -1 / tan]) if tan > 1 else [np.pi / 2]
-    phi, d_phi = _panels(np.array([0, *turns, np.pi]), nodes)
+    phi, d_phi = panels(np.array([0, *turns, np.pi]), nodes)
     x = np.arctan2(1, tan * np.cos(phi))
     masked = x > 0.75 * np.pi
     if lit:
@@ -130,10 +132,10 @@ def facets(ndf: NDF, alpha: float, theta: float, lit: bool, nodes: int = NODES) 
     with np.errstate(over="ignore"):
         slope = np.where(ends < np.pi / 2, np.tan(ends), np.inf) / alpha
     if ndf == "ggx":  # share of facets within r is sin²(psi), tan(psi) = r / alpha
-        psi, d = _panels(np.arctan(slope), nodes)
+        psi, d = panels(np.arctan(slope), nodes)
         r, d = alpha * np.tan(psi), d * np.sin(2 * psi)
     else:  # and 1 - exp(-rho²), rho = r / alpha
-        rho, d = _panels(np.minimum(slope, BECKMANN_END), nodes)
+        rho, d = panels(np.minimum(slope, BECKMANN_END), nodes)
         r, d = alpha * rho, d * 2 * rho * np.exp(-(rho**2))
     seen = 1 - r * np.cos(phi)[:, None] * tan
     cosine, stretch = np.cos(theta), 1 + r**2
@@ -143,20 +145,6 @@ def facets(ndf: NDF, alpha: float, theta: float, lit: bool, nodes: int = NODES) 
         cos_i=np.maximum(cosine * (2 * seen / stretch - 1), 0).ravel(),
         cos_d=np.maximum(cosine * seen / np.sqrt(stretch), 0).ravel(),
     )
-
-
-def _panels(ends: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre nodes and weights (..., panels * nodes) for panel ends (..., panels + 1)."""
-    x, w = _gauss(nodes)
-    start, width = ends[..., :-1, None], np.diff(ends)[..., None]
-    shape = (*ends.shape[:-1], -1)
-    return (start + width * x).reshape(shape), (width * w).reshape(shape)
-
-
-@cache
-def _gauss(nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    x, w = np.polynomial.legendre.leggauss(nodes)
-    return (x + 1) / 2, w / 2
 
 
 def weak_furnace(surface: Surface, theta: float, nodes: int = NODES) -> np.ndarray:
@@ -209,8 +197,8 @@ def furnace_albedo(
 
 def diffuse_albedo(theta: float, f0: float, nodes: int = NODES) -> float:
     """A(wo) of a white diffuse lobe under kd = 1 - F(h.wi), the paper's eq. 3."""
-    polar, d_polar = _panels(np.array([0, np.pi / 2]), nodes)
-    phi, d_phi = _panels(np.array([0, np.pi]), nodes)
+    polar, d_polar = panels(np.array([0, np.pi / 2]), nodes)
+    phi, d_phi = panels(np.array([0, np.pi]), nodes)
     product = np.sin(theta) * np.sin(polar) * np.cos(phi)[:, None] + np.cos(theta) * np.cos(polar)
     kd = 1 - schlick(f0, np.sqrt((1 + product) / 2))
     return float(d_phi @ kd @ (d_polar * np.sin(2 * polar)) / np.pi)

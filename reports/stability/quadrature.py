@@ -45,7 +45,7 @@ def facets(alpha: float, cosine: float) -> Facets:
     ends = np.concatenate([[0], np.arctan(np.tan(inner) / alpha), [np.pi / 2]])
     # Where the kinks lie close to 0 or to the horizon, the lobe itself would have no nodes.
     ends = np.sort(np.concatenate([ends, [np.pi / 4]]))
-    s, ds = _panels(ends, POLAR)
+    s, ds = panels(ends, POLAR)
     tan = alpha * np.tan(s)
     theta = np.arctan(tan)
     stretch = alpha / np.cos(s) ** 2 / (1 + tan**2)
@@ -57,7 +57,7 @@ def facets(alpha: float, cosine: float) -> Facets:
         k = np.stack([-1 / tan, 1 / tan, -1 / np.tan(2 * theta), shadowed, tan])
     turns = np.arccos(np.clip(np.nan_to_num(cot_o * k), -1, 1))
     ends = np.sort(np.stack([0 * theta, *turns, np.pi + 0 * theta], axis=1))
-    phi, dphi = _panels(ends, AROUND)
+    phi, dphi = panels(ends, AROUND)
 
     sin, cos = np.sin(theta)[:, None], np.cos(theta)[:, None]
     h = np.stack([sin * np.cos(phi), sin * np.sin(phi), cos + 0 * phi], axis=2)
@@ -67,7 +67,7 @@ def facets(alpha: float, cosine: float) -> Facets:
     return Facets(wo, h, h @ wo, omega)
 
 
-def _panels(ends: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
+def panels(ends: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights (..., panels x nodes) for panels between ends (..., panels + 1)."""
     x, w = _gauss(nodes)
     start, width = ends[..., :-1, None], np.diff(ends)[..., None]
