@@ -32,7 +32,7 @@ from typing import Literal, get_args
 import numpy as np
 from scipy.special import erf
 
-from reports.stability.quadrature import panels
+from reports.panels import panels
 
 NODES = 24  # per panel and dimension; errors below 5e-6 for alpha in [.01, 1], angles to 89°
 BECKMANN_END = 6.5  # slopes over alpha; what lies beyond weighs exp(-42)

@@ -11,7 +11,8 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from renderer.draw import Renderer
 from renderer.features import technique
 from reports.progress import reporting
-from reports.stability.hard import TECHNIQUES, Draw, Hard, hard_cases, off
+from reports.stability.hard import hard_cases
+from reports.stability.hard.case import TECHNIQUES, Draw, Hard, off
 from reports.stability.results import HardCase
 from scenes.errors import InputError
 from scenes.frame import Frame

@@ -12,9 +12,10 @@ with c = n.h, and in theta_h where that reaches ±1. Nodes follow tan theta_h = 
 """
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
+
+from reports.panels import panels
 
 POLAR, AROUND = 24, 8  # Gauss-Legendre nodes per panel
 
@@ -65,17 +66,3 @@ def facets(alpha: float, cosine: float) -> Facets:
     omega = 2 * dphi * (np.sin(theta) * stretch * ds)[:, None]
     h, omega = h.reshape(-1, 3), omega.ravel()
     return Facets(wo, h, h @ wo, omega)
-
-
-def panels(ends: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and weights (..., panels x nodes) for panels between ends (..., panels + 1)."""
-    x, w = _gauss(nodes)
-    start, width = ends[..., :-1, None], np.diff(ends)[..., None]
-    shape = (*ends.shape[:-1], -1)
-    return (start + width * x).reshape(shape), (width * w).reshape(shape)
-
-
-@cache
-def _gauss(nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    x, w = np.polynomial.legendre.leggauss(nodes)
-    return (x + 1) / 2, w / 2

@@ -5,7 +5,7 @@ import pytest
 
 from reference.batches import render_batch, truth_of
 from reports.stability.hard import hard_cases
-from reports.stability.hard_inputs import PLASTIC, constant, lit
+from reports.stability.hard.inputs import PLASTIC, constant, lit
 
 TRUTHS = ("unoccluded", "direct", "global")
 

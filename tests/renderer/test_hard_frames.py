@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from reports.run import hard_frames
-from reports.stability.hard import TECHNIQUES, hard_cases, off
-from reports.stability.hard_inputs import COPPER, under_sky
+from reports.stability.hard import hard_cases
+from reports.stability.hard.case import TECHNIQUES, off
+from reports.stability.hard.inputs import COPPER, under_sky
 
 SOON = (
     "furnace",

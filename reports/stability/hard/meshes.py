@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from reports.stability.hard import SAME, Hard, Make, twin
-from reports.stability.hard_inputs import (
+from reports.stability.hard.case import SAME, Hard, Make, twin
+from reports.stability.hard.inputs import (
     AHEAD,
     COPPER,
     PLASTIC,

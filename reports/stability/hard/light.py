@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from reports.furnace import Surface, furnace_albedo
-from reports.stability.hard import DENSE, SAME, Draw, Hard, Make, twin
-from reports.stability.hard_inputs import (
+from reports.stability.hard.case import DENSE, SAME, Draw, Hard, Make, twin
+from reports.stability.hard.inputs import (
     AHEAD,
     BALLS,
     WHITE,

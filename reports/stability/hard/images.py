@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from reports.stability.hard import DENSE, SAME, Draw, Expect, Hard, Make, Part, twin
-from reports.stability.hard_inputs import (
+from reports.stability.hard.case import DENSE, SAME, Draw, Expect, Hard, Make, Part, twin
+from reports.stability.hard.inputs import (
     BALLS,
     COPPER,
     MIRROR,

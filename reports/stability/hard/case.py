@@ -1,12 +1,7 @@
-"""Hard frames: inputs that are known to break renderers, each with what must hold and why.
-
-Rows stand by kind in hard_light, hard_meshes, hard_images and hard_materials;
-reports.run.hard_frames draws them with every technique.
-"""
+"""What a hard frame is, and how far its picture is from the one that it must show."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -81,17 +76,3 @@ def off(picture: np.ndarray, expected: np.ndarray, where: np.ndarray) -> tuple[f
 def twin(make: Make, seen: Callable[[np.ndarray], np.ndarray] = np.asarray) -> Expect:
     """Expect what another case shows, as `seen` maps its picture (H, W, 3) to this one's."""
     return lambda draw, folder: seen(draw(make(folder)).rgb)
-
-
-@cache
-def hard_cases() -> dict[str, Hard]:
-    """All hard cases by name."""
-    from reports.stability import hard_images, hard_light, hard_materials, hard_meshes
-
-    rows = [
-        *hard_light.rows(),
-        *hard_meshes.rows(),
-        *hard_images.rows(),
-        *hard_materials.rows(),
-    ]
-    return {row.name: row for row in rows}

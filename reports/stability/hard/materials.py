@@ -5,8 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from reports.stability.hard import DENSE, Hard, Make, twin
-from reports.stability.hard_inputs import under_sky
+from reports.stability.hard.case import DENSE, Hard, Make, twin
+from reports.stability.hard.inputs import under_sky
 from scenes.files import parse, read_toml
 from scenes.schema import Case, Material, Model
 
