@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
-from reports.conformance import Conformance
+from reports.conformance.result import Conformance
 from reports.results import Row
 from reports.stability.agreement import TOLERANCE, Agreement
 from scenes.frame import Frame

@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
 
-from reports.attack.mutants import RENDERER, Injected
+from reports.attack.mutants import RENDERER, Change
 from reports.attack.results import Mutant, Outcome
 from reports.gate import LOWER, worst_first
 from reports.results import Results, load_results
@@ -25,7 +25,7 @@ TIDY = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}  # two at a time sh
 
 
 def attack(
-    injected: list[Injected],
+    injected: list[Change],
     suite: str,
     store: Path,
     jobs: int,
@@ -40,12 +40,12 @@ def attack(
     Raises:
         InputError: the gate fails where nothing is changed.
     """
-    nothing = Injected("nothing", "control", "", "__init__.py", 1, "", "")
+    nothing = Change("nothing", "control", "", "__init__.py", 1, "", "")
     if (unchanged := run(nothing, suite, store)).outcome != "passed":
         problem = f"the gate fails where nothing is changed: {unchanged.by}"
         raise InputError("--suite", suite, problem, "mend that first")
 
-    def one(change: Injected) -> Mutant:
+    def one(change: Change) -> Mutant:
         mutant = run(change, suite, store)
         told(mutant)
         return mutant
@@ -54,7 +54,7 @@ def attack(
         return list(pool.map(one, injected))
 
 
-def run(change: Injected, suite: str, store: Path) -> Mutant:
+def run(change: Change, suite: str, store: Path) -> Mutant:
     """Change a copy of the renderer, put it first on the path, and ask the gate."""
     start = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="shadeproof-") as name:
@@ -97,7 +97,7 @@ def _compiler(lines: list[str]) -> str:
     return next((line.strip() for line in lines if "error:" in line and "bug in" not in line), "")
 
 
-def _outcome(change: Injected, code: int, said: str, path: Path) -> tuple[Outcome, str]:
+def _outcome(change: Change, code: int, said: str, path: Path) -> tuple[Outcome, str]:
     if code == 0:
         return ("passed" if change.kind == "control" else "survived"), ""
     if code == 1:

@@ -12,7 +12,7 @@ RENDERER = HERE.parents[1] / "renderer"
 
 
 @dataclass(frozen=True)
-class Injected:
+class Change:
     """A text of one file of the renderer, and what stands there instead.
 
     Attributes:
@@ -43,7 +43,7 @@ class Injected:
         )
 
 
-def written(kind: Kind, room: Path = RENDERER) -> list[Injected]:
+def written(kind: Kind, room: Path = RENDERER) -> list[Change]:
     """The bugs (`realistic`) or the harmless rewrites (`control`) of this folder's TOML files.
 
     Raises:
@@ -59,7 +59,7 @@ def written(kind: Kind, room: Path = RENDERER) -> list[Injected]:
             )
         line = text[: text.index(entry["before"])].count("\n") + 1
         found.append(
-            Injected(
+            Change(
                 id=entry["name"],
                 kind=kind,
                 rule="",
@@ -74,14 +74,14 @@ def written(kind: Kind, room: Path = RENDERER) -> list[Injected]:
     return found
 
 
-def by_rule(every: list[Patch]) -> list[Injected]:
+def by_rule(every: list[Patch]) -> list[Change]:
     """Mutants by rule, named by file, line, rule and number."""
     made, numbers = [], {}
     for p in every:
         stem = f"{Path(p.file).name}:{p.line}:{p.rule.replace(' ', '-')}"
         numbers[stem] = numbers.get(stem, 0) + 1
         made.append(
-            Injected(
+            Change(
                 id=f"{stem}:{numbers[stem]}",
                 kind="rule",
                 rule=p.rule,
@@ -95,7 +95,7 @@ def by_rule(every: list[Patch]) -> list[Injected]:
     return made
 
 
-def select(count: int, seed: int) -> tuple[list[Injected], int]:
+def select(count: int, seed: int) -> tuple[list[Change], int]:
     """All bugs and controls, `count` of the mutants by rule, and how many of those there are."""
     every = patches(RENDERER)
     # Named before the choice, so that a name stays whatever is chosen.

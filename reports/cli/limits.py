@@ -26,9 +26,9 @@ def limits(
 
     Ends with 1 where it fails a picture that is right.
     """
-    from reports.attack.limits import save_limits
-    from reports.attack.limits_table import print_limits
     from reports.html.attack import write_page
+    from reports.limits.results import save_limits
+    from reports.limits.table import print_limits
     from reports.run.limits import limits as measure
 
     found = measure(job, sets, alarms, pool)

@@ -8,7 +8,7 @@ from pathlib import Path
 from reference.pack import unpack
 from reference.store import Store
 from reports.attack.harness import attack
-from reports.attack.mutants import Injected
+from reports.attack.mutants import Change
 from reports.attack.results import Attack
 from reports.run.suite import provenance
 from scenes.errors import InputError
@@ -32,7 +32,7 @@ def shipped(suite: str, store: Path) -> Path:
 def attack_suite(
     suite: str,
     store: Path,
-    injected: list[Injected],
+    injected: list[Change],
     jobs: int,
     step: Callable[[str], None],
     **about: str | int,

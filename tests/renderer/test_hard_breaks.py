@@ -5,7 +5,7 @@ import pytest
 from renderer import glsl, precompute
 from renderer.precompute import brdf_table
 from renderer.program import program
-from reports.run.hard_frames import measure
+from reports.run.stability.frames import measure
 from reports.stability.hard import hard_cases
 
 # Shader file, what stands there, what takes its place, the cases that must fail.

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reports.run import hard_frames
+from reports.run.stability import frames
 from reports.stability.hard import hard_cases
 from reports.stability.hard.case import TECHNIQUES, off
 from reports.stability.hard.inputs import COPPER, under_sky
@@ -53,7 +53,7 @@ def folder(tmp_path_factory):
 
 @pytest.mark.parametrize("name", CASES)
 def test_what_must_hold_of_a_hard_case_holds(folder, name):
-    found = hard_frames.measure(hard_cases()[name], folder)
+    found = frames.measure(hard_cases()[name], folder)
     assert found.passed, found.measured
     assert found.command == f"shadeproof stability --hard {name}"
 
@@ -69,14 +69,14 @@ def drawn(monkeypatch, folder):
     """Measure a hard case whose pictures by one technique are changed before they are judged."""
 
     def measure(name: str, change, technique: str = "paper"):
-        draw = hard_frames._draw
+        draw = frames._draw
 
         def changed(how, case, part=None):
             frame = draw(how, case, part)
             return replace(frame, rgb=change(frame.rgb.copy())) if how == technique else frame
 
-        monkeypatch.setattr(hard_frames, "_draw", changed)
-        return hard_frames.measure(hard_cases()[name], folder)
+        monkeypatch.setattr(frames, "_draw", changed)
+        return frames.measure(hard_cases()[name], folder)
 
     return measure
 
@@ -105,20 +105,20 @@ def test_a_picture_that_is_clipped_fails_the_sun(drawn):
 
 def test_what_should_be_refused_and_is_drawn_fails(folder):
     row = replace(hard_cases()["object-1e-16"], case=under_sky(("sphere", COPPER, {})))
-    assert not hard_frames.measure(row, folder).passed
+    assert not frames.measure(row, folder).passed
 
 
 def test_a_wrong_silhouette_fails_a_case(monkeypatch, folder):
-    draw = hard_frames._draw
+    draw = frames._draw
 
     def moved(how, case, part=None):
         frame = draw(how, case, part)
         return replace(frame, ids=np.roll(frame.ids, 1, axis=1))
 
     row = replace(hard_cases()["zero-area-triangles"], expect=None)
-    assert hard_frames.measure(row, folder).passed
-    monkeypatch.setattr(hard_frames, "_draw", moved)
-    assert not hard_frames.measure(row, folder).passed
+    assert frames.measure(row, folder).passed
+    monkeypatch.setattr(frames, "_draw", moved)
+    assert not frames.measure(row, folder).passed
 
 
 def test_each_pixel_counts_by_its_own_brightness():
@@ -135,4 +135,4 @@ def test_each_pixel_counts_by_its_own_brightness():
 
 
 def test_an_unknown_case_is_refused_with_those_that_are_known(refused):
-    refused(lambda: hard_frames.hard_frames(["soft"]), "--hard", "'soft'", "furnace")
+    refused(lambda: frames.hard_frames(["soft"]), "--hard", "'soft'", "furnace")

@@ -1,7 +1,7 @@
 """An attack on the gate and its limits, by hand."""
 
-from reports.attack.limits import FalseAlarms, Limit, Limits, Point
 from reports.attack.results import Attack, Mutant
+from reports.limits.results import FalseAlarms, Limit, Limits, Point
 
 EVIL = "<b onclick=x>&\"'@7"
 FILES = (

@@ -6,7 +6,7 @@ from collections import Counter
 import pytest
 
 from reports.attack.harness import run
-from reports.attack.mutants import RENDERER, Injected, arguments, by_rule, select, written
+from reports.attack.mutants import RENDERER, Change, arguments, by_rule, select, written
 from reports.attack.results import Attack, load_attack, save_attack
 from reports.attack.rules import changes, chosen, patches
 from reports.run.attack import attack_suite, shipped
@@ -87,11 +87,11 @@ def test_every_argued_change_can_still_be_made():
 
 def test_a_change_is_made_where_it_was_found(tmp_path):
     (tmp_path / "a.glsl").write_text("x = a;\ny = b;\nx = a;\n")
-    Injected("i", "rule", "r", "a.glsl", 3, "x = a;", "x = c;").apply(tmp_path)
+    Change("i", "rule", "r", "a.glsl", 3, "x = a;", "x = c;").apply(tmp_path)
     assert (tmp_path / "a.glsl").read_text() == "x = a;\ny = b;\nx = c;\n"
 
 
-def named(name: str) -> Injected:
+def named(name: str) -> Change:
     (found,) = (i for i in select(0, 0)[0] if i.id == name)
     return found
 
@@ -111,7 +111,7 @@ def test_the_real_gate_sees_bugs_and_passes_rewrites(name, outcome, by, store):
 
 
 def test_a_change_that_does_not_compile_counts_apart(store):
-    broken = Injected("x", "rule", "", "shaders/brdf.glsl", 1, "vec3 f = F", "vec3 f = nothing")
+    broken = Change("x", "rule", "", "shaders/brdf.glsl", 1, "vec3 f = F", "vec3 f = nothing")
     mutant = run(broken, "guard", store)
     assert (mutant.outcome, mutant.exit_code) == ("stillborn", 2)
     assert "nothing" in mutant.by
@@ -119,7 +119,7 @@ def test_a_change_that_does_not_compile_counts_apart(store):
 
 def test_an_attack_is_refused_where_the_gate_fails_by_itself(store, monkeypatch):
     bug = named("no masking")
-    monkeypatch.setattr("reports.attack.harness.Injected", lambda *_: bug)
+    monkeypatch.setattr("reports.attack.harness.Change", lambda *_: bug)
     with pytest.raises(InputError, match="the gate fails where nothing is changed"):
         attack_suite("guard", store, [bug], 1, print, command="", seed=0, generated=0)
 

@@ -4,13 +4,13 @@ import re
 
 import pytest
 
-from reports.attack.limits import FalseAlarms, save_limits
 from reports.attack.results import save_attack
 from reports.html.attack import gate_of, write_page
 from reports.html.attack.limits import limits_view
 from reports.html.attack.matrix import bug_matrix
 from reports.html.attack.view import attack_view, change_of
 from reports.html.attack.words import plainly
+from reports.limits.results import FalseAlarms, save_limits
 from tests.reports.attacks import (
     DEAD,
     EQUAL,

@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reports import conformance as defined
 from reports import gate, parity
-from reports.conformance import Conformance, Light
+from reports.conformance.kernels import cumulated, lambert, reflected
+from reports.conformance.light import Light
+from reports.conformance.result import Conformance
+from reports.conformance.split_sum import scale_bias, smith
+from reports.conformance.textures import bilinear
 from reports.run.conformance import conformance
 from reports.run.conformance.shared import ALLOWED
 from reports.stability import oracle
@@ -20,12 +23,12 @@ AXES = np.array([[0, 0, 1.0], [0.6, 0, 0.8], [0, -1, 0]])
 
 def test_irradiance_of_even_light_is_pi_and_of_a_lit_half_is_half():
     even = Light(np.ones((16, 32, 3)))
-    (E,), (alone,), _ = even.convolved(AXES, [defined.lambert])
+    (E,), (alone,), _ = even.convolved(AXES, [lambert])
     assert pytest.approx(np.pi, rel=1e-3) == E
     assert alone == pytest.approx(np.pi, rel=1e-3)
     half = np.ones((65, 128, 3))
     half[32:] = np.array([0.5, *[0] * 32])[:, None, None]  # row 32 is the horizon
-    (E,), _, _ = Light(half).convolved(AXES, [defined.lambert])
+    (E,), _, _ = Light(half).convolved(AXES, [lambert])
     assert E[0] == pytest.approx(np.pi, rel=2e-3)
     assert E[2] == pytest.approx(np.pi / 2, rel=2e-3)
 
@@ -33,16 +36,14 @@ def test_irradiance_of_even_light_is_pi_and_of_a_lit_half_is_half():
 @pytest.mark.parametrize("lobe", [oracle.D_ggx, oracle.D_beckmann])
 def test_a_prefiltered_weight_is_the_mean_cosine_of_what_is_reflected(lobe):
     """For alpha that nears 0 all goes to the axis, where n.l is 1; the density integrates to 1."""
-    _, (narrow,), _ = Light(np.ones((512, 1024, 3))).convolved(
-        AXES, [defined.reflected(lobe, 0.04)]
-    )
+    _, (narrow,), _ = Light(np.ones((512, 1024, 3))).convolved(AXES, [reflected(lobe, 0.04)])
     assert narrow == pytest.approx(1, abs=0.02)
 
 
 def test_bilinear_wraps_columns_and_clamps_rows():
     texels = np.arange(8.0).reshape(2, 4, 1)
     uv = np.array([[0.0, 0.0], [0.125, 0.25], [1.0, 1.0], [-0.875, 0.5]])
-    assert defined.bilinear(texels, uv)[:, 0] == pytest.approx([1.5, 0, 5.5, 2])
+    assert bilinear(texels, uv)[:, 0] == pytest.approx([1.5, 0, 5.5, 2])
 
 
 @pytest.mark.parametrize("lobe", ["ggx", "beckmann", "cosine"])
@@ -54,13 +55,13 @@ def test_the_share_of_samples_is_the_integral_of_their_density(lobe):
     if lobe != "cosine":
         density = getattr(oracle, f"D_{lobe}")(h, alpha) * np.cos(theta)
     integral = np.trapezoid(density * 2 * np.pi * np.sin(theta), theta)
-    assert defined.cumulated(lobe, np.cos(1.2), alpha) == pytest.approx(integral, abs=1e-6)
+    assert cumulated(lobe, np.cos(1.2), alpha) == pytest.approx(integral, abs=1e-6)
 
 
 def test_scale_and_bias_are_the_albedo_of_the_brdf():
     """With F0 = 1 they sum to the share of even light that is reflected."""
     alpha, cosine, weight = 0.3, 0.6, (0.3, 0.7)
-    made = defined.scale_bias(cosine, alpha, weight, defined.smith(alpha, weight))
+    made = scale_bias(cosine, alpha, weight, smith(alpha, weight))
     z, phi = np.meshgrid((np.arange(800) + 0.5) / 800, 2 * np.pi * (np.arange(800) + 0.5) / 800)
     z, phi = z.ravel(), phi.ravel()
     s = np.sqrt(1 - z**2)

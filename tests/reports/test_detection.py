@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from reports.attack.detection import (
+from reports.limits.detection import (
     CAUGHT,
     INCONCLUSIVE,
     PASSED,

@@ -10,9 +10,9 @@ from scipy.stats import norm
 
 from renderer.draw import Renderer
 from renderer.features import technique
-from reports.attack.detection import draws
-from reports.attack.injected import injected
 from reports.compare import Truth, exposures_of
+from reports.limits.detection import draws
+from reports.limits.known_errors import known_errors
 from reports.noise import sidak
 from reports.rows import judged_rows
 from reports.run.job import Job
@@ -22,7 +22,7 @@ from reports.run.limits.seen import Seen
 from tests.reports.small import small_suite
 
 POOL, NOISE = 32, 0.1  # batches, and the relative noise of a pixel in each
-GAIN = next(e for e in injected(None) if e.parameter == "gain")
+GAIN = next(e for e in known_errors(None) if e.parameter == "gain")
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from reports.attack.limits import load_limits
+from reports.limits.results import load_limits
 from tests.reports.attacks import full_limits
 from tests.reports.small import small_suite
 

@@ -2,7 +2,7 @@
 
 import json
 
-from reports.attack.limits import Limits
+from reports.limits.results import Limits
 
 
 def test_the_schema_in_the_docs_is_the_schema(request):

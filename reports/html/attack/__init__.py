@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reports.attack.limits import load_limits
 from reports.attack.results import load_attack
 from reports.html.attack.limits import LimitsView, limits_view
 from reports.html.attack.view import AttackView, attack_view
 from reports.html.template import render
+from reports.limits.results import load_limits
 from scenes.errors import InputError
 from scenes.frame import write_text
 

@@ -4,12 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from reports.attack.limits import EVERY, FalseAlarms, Limit, Limits
 from reports.html.attack.words import plainly
 from reports.html.charts import SERIES_COLOURS, Axis, Chart, Line, line_chart
 from reports.html.figures import GAP, NONE, digits, percent, seconds
 from reports.html.logaxis import LogAxis
 from reports.html.trust import Fact, versions_of
+from reports.limits.results import EVERY, FalseAlarms, Limit, Limits
 
 WHOLE = "whole suite"
 SIGNS = {"+": "plus", "-": "minus"}

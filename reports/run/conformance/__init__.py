@@ -6,7 +6,8 @@ import numpy as np
 
 from renderer.features import technique
 from renderer.precompute import precomputed
-from reports.conformance import Conformance, Light
+from reports.conformance.light import Light
+from reports.conformance.result import Conformance
 from reports.run.conformance.geometry import of_normals
 from reports.run.conformance.light import of_light
 from reports.run.conformance.maps import of_maps, of_mirror

@@ -7,7 +7,7 @@ from renderer.objects import placed
 from renderer.program import program, set_uniforms
 from renderer.targets import release
 from renderer.view import view
-from reports.conformance import Conformance
+from reports.conformance.result import Conformance
 from reports.run.conformance.shared import filled, measured, relative
 from scenes.mesh import placement
 from scenes.schema import Case

@@ -5,8 +5,9 @@ import numpy as np
 from renderer.precompute import BASE, precomputed
 from renderer.probe import probe
 from renderer.program import bind_maps, program, set_uniforms
-from reports import conformance as defined
-from reports.conformance import Conformance, Light
+from reports.conformance.light import Light
+from reports.conformance.result import Conformance
+from reports.conformance.textures import trilinear
 from reports.run.conformance.shared import (
     FIRST_UNIT,
     filled,
@@ -38,7 +39,7 @@ def of_light(environment: Environment) -> list[Conformance]:
         ),
         "look-ups between levels": (
             _looked_up(maps, "vec4(radiance(at.xyz, 2.5), 0.0)", given, turn)[:, :3],
-            defined.trilinear(levels, light.place(world, turn), 2.5),
+            trilinear(levels, light.place(world, turn), 2.5),
         ),
         "choice of levels": (
             _looked_up(maps, "vec4(radiance_lod(at.xyz, at.w, 3.0))", given, turn)[:, 0],
@@ -89,4 +90,4 @@ def _background(
     distance = np.linalg.norm(ray, axis=1)
     world = ray / distance[:, None]
     lod = light.level(world, area / distance**3)
-    return ours, defined.trilinear(levels, light.place(world, turn), lod)
+    return ours, trilinear(levels, light.place(world, turn), lod)

@@ -5,8 +5,10 @@ import numpy as np
 from renderer.precompute import BASE, Precomputed, precomputed
 from renderer.precompute.prefilter import LEVELS, SAMPLES, SIZE
 from renderer.program import bind_maps, program, set_uniforms
-from reports import conformance as defined
-from reports.conformance import Conformance, Light
+from reports.conformance.kernels import lambert, reflected
+from reports.conformance.light import Light, direction
+from reports.conformance.result import Conformance
+from reports.conformance.textures import trilinear
 from reports.run.conformance.shared import filled, levels_of, measured, relative, texels_of
 from reports.stability import oracle
 from scenes.environment import load_environment
@@ -25,7 +27,7 @@ def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> 
     if "irradiance_map" in names:
         texels = texels_of(maps["irradiance_map"])
         rows, columns, axes = _some(texels, light)
-        (E,), _, _ = light.convolved(axes, [defined.lambert])
+        (E,), _, _ = light.convolved(axes, [lambert])
         off = relative(texels[rows, columns, :3], E)
         found.append(measured("irradiance map", off, place_of))
     wanted = sorted(n for n in names if n.startswith("prefiltered"))
@@ -41,7 +43,7 @@ def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> 
                     measured("mirror's map", relative(mean, theirs), f"{name} of {place_of}")
                 )
             continue
-        kernels = [defined.reflected(LOBES[n.removeprefix("prefiltered_")], alpha) for n in wanted]
+        kernels = [reflected(LOBES[n.removeprefix("prefiltered_")], alpha) for n in wanted]
         for name, *theirs in zip(wanted, *light.convolved(axes, kernels), strict=True):
             ours = levels[name][rows, columns].astype(float)
             off, noise = _sampled_off(ours, *theirs)
@@ -64,7 +66,7 @@ def of_mirror(environment: Environment) -> Conformance:
     bind_maps(shader, {BASE: maps[BASE]})
     sums = filled(shader, size)
     y, x = (np.indices(size[::-1]).reshape(2, -1) + 0.5) / np.array(size[::-1])[:, None]
-    theirs = _mirrored(levels_of(maps), light, defined.direction(np.stack([x, y], 1)), size)
+    theirs = _mirrored(levels_of(maps), light, direction(np.stack([x, y], 1)), size)
     place = f"a coarse one of {environment.name}"
     return measured("mirror's map", relative(sums[:, :3] / sums[:, 3:], theirs), place)
 
@@ -75,7 +77,7 @@ def _mirrored(
     """The light over texels of a map of `size` (width, height), (n, 3)."""
     sine = np.maximum(np.hypot(axes[:, 0], axes[:, 1]), 0.5 / size[1])
     lod = light.level(axes, 2 * np.pi**2 * sine / (size[0] * size[1]))
-    return defined.trilinear(levels, light.place(axes), lod)
+    return trilinear(levels, light.place(axes), lod)
 
 
 def _sampled_off(
@@ -98,4 +100,4 @@ def _some(texels: np.ndarray, light: Light) -> tuple[np.ndarray, np.ndarray, np.
     rows = np.concatenate([[0, 0, height - 1, height - 1], rng.integers(0, height, count - 4)])
     columns = np.concatenate([[0, width - 1] * 2, rng.integers(0, width, count - 4)])
     uv = np.stack([(columns + 0.5) / width, (rows + 0.5) / height], 1)
-    return rows, columns, defined.direction(uv)
+    return rows, columns, direction(uv)

@@ -4,8 +4,8 @@ import numpy as np
 
 from renderer.features import Technique, features, split_samples
 from renderer.probe import probe
-from reports import conformance as defined
-from reports.conformance import Conformance
+from reports.conformance.kernels import cumulated
+from reports.conformance.result import Conformance
 from reports.run.conformance.shared import MATERIAL, UNIFORMS, measured, uniforms_of
 from reports.stability import oracle
 from reports.stability.directions import directions
@@ -32,7 +32,7 @@ def of_samples(material: Material, how: Technique) -> list[Conformance]:
             made[:, 0] - flat * np.cos(phi),
             made[:, 1] - flat * np.sin(phi),
         ]
-        offs.append(defined.cumulated(lobe, made[:, 2] / length, alpha) - u[:, 0])
+        offs.append(cumulated(lobe, made[:, 2] / length, alpha) - u[:, 0])
         found.append(measured("samples", np.abs(offs).max(), f"sample_{lobe}, alpha {alpha:.3g}"))
     count = split_samples(material, how.samples_per_set * how.sets)
     wi, wo = directions(alpha)

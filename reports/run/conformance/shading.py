@@ -6,8 +6,10 @@ from renderer.features import Technique, features
 from renderer.precompute import BASE, brdf_table, precomputed
 from renderer.precompute.prefilter import LEVELS
 from renderer.probe import brdf_values, probe
-from reports import conformance as defined
-from reports.conformance import Conformance
+from reports.conformance.light import latlong
+from reports.conformance.result import Conformance
+from reports.conformance.split_sum import split_sum
+from reports.conformance.textures import bilinear, clamped, trilinear
 from reports.run.conformance.shared import (
     FIRST_UNIT,
     MATERIAL,
@@ -52,24 +54,24 @@ def of_split_sum(
     cosine = (n * v).sum(axis=1)
     r = 2 * cosine[:, None] * n - v
     lod, weight = np.sqrt(material.alpha) * (LEVELS - 1), (material.weight, 1 - material.weight)
-    uv, table = defined.latlong(r, turn), np.stack([cosine, np.full(600, material.alpha**0.5)], 1)
+    uv, table = latlong(r, turn), np.stack([cosine, np.full(600, material.alpha**0.5)], 1)
     L, ab = np.zeros((600, 4)), np.zeros((600, 4))
     for part, lobe in zip(weight, LOBES, strict=True):
         if not part:
             continue
         levels = [texels_of(maps[f"prefiltered_{lobe}"], k) for k in range(LEVELS)]
-        L += part * defined.trilinear(levels, uv, lod)
+        L += part * trilinear(levels, uv, lod)
         if not how.own_table(model):
-            ab += part * defined.clamped(texels_of(maps[f"table_{lobe}"]), table)
+            ab += part * clamped(texels_of(maps[f"table_{lobe}"]), table)
     if how.own_table(model):
-        ab = defined.clamped(texels_of(maps["table_smith"]), table)[:, :2]
+        ab = clamped(texels_of(maps["table_smith"]), table)[:, :2]
     else:
         share = material.masking_weight
         ab = share * ab[:, :2] + (1 - share) * ab[:, 2:]
     E = np.zeros((600, 3))
     if "irradiance_map" in maps:
-        E = defined.bilinear(texels_of(maps["irradiance_map"]), defined.latlong(n, turn))[:, :3]
-    theirs = defined.split_sum(material, cosine, L[:, :3] / L[:, 3:], ab, E)
+        E = bilinear(texels_of(maps["irradiance_map"]), latlong(n, turn))[:, :3]
+    theirs = split_sum(material, cosine, L[:, :3] / L[:, 3:], ab, E)
     place = f"{material.name}, roughness {material.roughness:g}, in {environment.name}"
     return measured("split sum", relative(ours, theirs), place)
 

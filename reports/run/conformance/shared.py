@@ -9,7 +9,7 @@ from renderer.context import context
 from renderer.precompute import BASE
 from renderer.program import fill
 from renderer.targets import release
-from reports.conformance import Conformance
+from reports.conformance.result import Conformance
 from scenes.schema import Material
 
 # What a correct renderer is off by, measured over the suites that come with the code, and some

@@ -3,8 +3,8 @@
 import numpy as np
 
 from renderer.precompute import Precomputed, brdf_table
-from reports import conformance as defined
-from reports.conformance import Conformance
+from reports.conformance.result import Conformance
+from reports.conformance.split_sum import scale_bias, smith, vcavity
 from reports.run.conformance.shared import measured, relative, texels_of
 from scenes.schema import ALPHA_MIN, Material
 
@@ -22,10 +22,8 @@ def of_table(made: Precomputed, name: str) -> Conformance:
     theirs = []
     for row, column in zip(rows, columns, strict=True):
         cosine, alpha = (column + 0.5) / size[0], max(((row + 0.5) / size[1]) ** 2, ALPHA_MIN)
-        maskings = (defined.smith(alpha), defined.vcavity)
-        theirs.append(
-            np.concatenate([defined.scale_bias(cosine, alpha, weight, m) for m in maskings])
-        )
+        maskings = (smith(alpha), vcavity)
+        theirs.append(np.concatenate([scale_bias(cosine, alpha, weight, m) for m in maskings]))
     return measured("tables", relative(texels[rows, columns], np.array(theirs)), name)
 
 
@@ -33,11 +31,8 @@ def of_own_table(material: Material) -> Conformance:
     """A material's own table under the masking `smith`."""
     (texels,) = texels_of(brdf_table.smith_table(material).texture)
     weight, weight_g = ((w, 1 - w) for w in (material.weight, material.masking_weight))
-    masking = defined.smith(material.alpha, weight_g)
+    masking = smith(material.alpha, weight_g)
     columns = range(8, len(texels), 29)
-    theirs = [
-        defined.scale_bias((c + 0.5) / len(texels), material.alpha, weight, masking)
-        for c in columns
-    ]
+    theirs = [scale_bias((c + 0.5) / len(texels), material.alpha, weight, masking) for c in columns]
     off = relative(texels[list(columns), :2], np.array(theirs))
     return measured("tables", off, f"{material.name}'s own")

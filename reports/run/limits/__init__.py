@@ -5,9 +5,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from reports.attack.detection import draws
-from reports.attack.injected import injected
-from reports.attack.limits import Limit, Limits
+from reports.limits.detection import draws
+from reports.limits.known_errors import known_errors
+from reports.limits.results import Limit, Limits
 from reports.progress import reporting
 from reports.run.job import Job, make_folder
 from reports.run.limits.alarms import false_alarms
@@ -42,7 +42,7 @@ def limits(job: Job, sets: int, alarms: int, size: int) -> Limits:
         raise InputError(job.path, "budget", problem, remedy)
     gate.pools = pools(job, size)
     with tempfile.TemporaryDirectory() as folder:
-        errors = [(error, sign) for error in injected(Path(folder)) for sign in (1, -1)]
+        errors = [(error, sign) for error in known_errors(Path(folder)) for sign in (1, -1)]
         _as_it_is(job, Seen(gate, draws(size, 1), errors[0][0], 1), labels)
         told, orders = false_alarms(gate, draws(size, alarms)), draws(size, sets)
         found: list[Limit] = []

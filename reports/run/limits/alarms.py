@@ -7,8 +7,8 @@ import numpy as np
 
 from renderer.draw import Renderer
 from renderer.features import Technique, technique
-from reports.attack.detection import CAUGHT, INCONCLUSIVE, share_interval
-from reports.attack.limits import FalseAlarms
+from reports.limits.detection import CAUGHT, INCONCLUSIVE, share_interval
+from reports.limits.results import FalseAlarms
 from reports.progress import reporting
 from reports.run.limits.judging import VERDICTS, Gate, Place, clearance
 from scenes.frame import Frame

@@ -12,8 +12,8 @@ from reference.batches import grow, truth_of
 from reference.settings import FEWEST_BATCHES
 from reference.store import Store
 from reports import gate
-from reports.attack.detection import CAUGHT, INCONCLUSIVE, PASSED
 from reports.compare import Truth, exposures_of
+from reports.limits.detection import CAUGHT, INCONCLUSIVE, PASSED
 from reports.progress import reporting
 from reports.results import Row
 from reports.rows import judged_rows

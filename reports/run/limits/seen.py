@@ -9,9 +9,9 @@ import numpy as np
 
 from renderer.draw import Renderer
 from renderer.features import technique
-from reports.attack.detection import CAUGHT, INCONCLUSIVE, PASSED, SHARE, Curve, noiseless, traced
-from reports.attack.injected import Injected
-from reports.attack.limits import EVERY, Limit, Point
+from reports.limits.detection import CAUGHT, INCONCLUSIVE, PASSED, SHARE, Curve, noiseless, traced
+from reports.limits.known_errors import KnownError
+from reports.limits.results import EVERY, Limit, Point
 from reports.results import Row
 from reports.run.limits.judging import FAR, VERDICTS, Gate, Place, clearance
 from scenes.frame import Frame
@@ -27,7 +27,7 @@ class Seen:
         error, sign: what is wrong, and which way.
     """
 
-    def __init__(self, gate: Gate, orders: np.ndarray, error: Injected, sign: int) -> None:
+    def __init__(self, gate: Gate, orders: np.ndarray, error: KnownError, sign: int) -> None:
         self.gate, self.orders, self.error, self.sign = gate, orders, error, sign
         self.frames: dict[tuple[float, int, str], Frame] = {}
         self.screened: dict[tuple[float, str], dict[Place, Row]] = {}

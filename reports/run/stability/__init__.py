@@ -82,7 +82,7 @@ def hard_cases(names: list[str]) -> list[HardCase]:
 
 
 def _frames(names: list[str] | tuple[str, ...] = ()) -> list[HardCase]:
-    from reports.run.hard_frames import hard_frames
+    from reports.run.stability.frames import hard_frames
 
     return hard_frames(names)
 

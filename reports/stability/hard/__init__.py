@@ -1,6 +1,6 @@
 """Hard frames: inputs that are known to break renderers, each with what must hold and why.
 
-Rows stand by kind, one file each; reports.run.hard_frames draws them with every technique.
+Rows stand by kind, one file each; reports.run.stability.frames draws them with every technique.
 """
 
 from functools import cache

@@ -4,7 +4,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from reports.attack.limits import EVERY, Limit, Limits
+from reports.limits.results import EVERY, Limit, Limits
 
 MARKS = {"": "", "relative": " %", "degrees": "°"}
 

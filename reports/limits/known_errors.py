@@ -15,7 +15,7 @@ from scenes.schema import Case, Material, Object, Optics
 
 
 @dataclass(frozen=True)
-class Injected:
+class KnownError:
     """An error of any size; 0 changes nothing.
 
     Attributes:
@@ -32,7 +32,7 @@ class Injected:
     picture: Callable[[np.ndarray, float], np.ndarray] = lambda rgb, _: rgb
 
 
-def injected(folder: Path) -> list[Injected]:
+def known_errors(folder: Path) -> list[KnownError]:
     """Every error that limits are measured for.
 
     Args:
@@ -52,14 +52,14 @@ def injected(folder: Path) -> list[Injected]:
         return case.model_copy(update={"camera": camera})
 
     return [
-        Injected("roughness", "", 0.5, _materials(_moved("roughness"))),
-        Injected("F0", "", 0.5, _materials(_f0)),
-        Injected("mixture weight", "", 1.0, _materials(_moved("weight"))),
-        Injected("normal tilt", "degrees", 45.0, tilt),
-        Injected("environment rotation", "degrees", 90.0, turn),
-        Injected("field of view", "relative", 0.25, widen),
-        Injected("gain", "relative", 0.9, picture=lambda rgb, size: rgb * np.float32(1 + size)),
-        Injected("gain of red", "relative", 0.9, picture=_red),
+        KnownError("roughness", "", 0.5, _materials(_moved("roughness"))),
+        KnownError("F0", "", 0.5, _materials(_f0)),
+        KnownError("mixture weight", "", 1.0, _materials(_moved("weight"))),
+        KnownError("normal tilt", "degrees", 45.0, tilt),
+        KnownError("environment rotation", "degrees", 90.0, turn),
+        KnownError("field of view", "relative", 0.25, widen),
+        KnownError("gain", "relative", 0.9, picture=lambda rgb, size: rgb * np.float32(1 + size)),
+        KnownError("gain of red", "relative", 0.9, picture=_red),
     ]
 
 

@@ -5,12 +5,12 @@ import pytest
 
 from renderer.draw import Renderer
 from renderer.features import technique
-from reports.attack.injected import injected, tilted
+from reports.limits.known_errors import known_errors, tilted
 from scenes.mesh import load_mesh
 from scenes.suite import expand, load_suite
 
 SIZES = {"degrees": 5.0, "relative": 0.1, "": 0.03}
-NAMES = [error.parameter for error in injected(None)]
+NAMES = [error.parameter for error in known_errors(None)]
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def case():
 @pytest.fixture(scope="module")
 def drawn(case, tmp_path_factory):
     """The picture of a case with an error of some signed size."""
-    errors = {e.parameter: e for e in injected(tmp_path_factory.mktemp("meshes"))}
+    errors = {e.parameter: e for e in known_errors(tmp_path_factory.mktemp("meshes"))}
 
     def draw(name, size):
         rgb = Renderer(technique("paper"), repeats=0).render(errors[name].case(case, size)).rgb

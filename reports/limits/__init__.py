@@ -1,0 +1,1 @@
+"""How small an error the gate catches, and how often it fails what is right."""
