@@ -1,5 +1,6 @@
 """Templates to pages: one look, and nothing asked of the network."""
 
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -24,16 +25,26 @@ def render(template: str, **shown: Any) -> str:
     )
 
 
+def pasted(text: str) -> str:
+    """A command, or a sentence with one in backticks, as it runs in the project's root.
+
+    `make` leaves the program in .venv and on no PATH.
+    """
+    return re.sub(r"(^|`)shadeproof(?= )", r"\1.venv/bin/shadeproof", text)
+
+
 def _joined(names: tuple[str, ...]) -> Markup:
     return Markup("\n".join((HERE / name).read_text(encoding="utf-8") for name in names))
 
 
 @cache
 def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
+    made = jinja2.Environment(
         loader=jinja2.FileSystemLoader(HERE),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    made.filters["pasted"] = pasted
+    return made

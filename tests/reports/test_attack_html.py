@@ -58,8 +58,8 @@ def test_asks_for_nothing_and_every_link_leads_somewhere(page):
 def test_hostile_names_stay_text(page):
     assert not any("onclick" in a for _, a in page.elements)
     assert shown_text(page).count(EVIL) == 2 + 1  # in both lists of bugs, and a false alarm's name
-    assert "shadeproof attack --out <x>" in page.text["code"]
-    assert "shadeproof limits <y>" in page.text["code"]
+    assert ".venv/bin/shadeproof attack --out <x>" in page.text["code"]
+    assert ".venv/bin/shadeproof limits <y>" in page.text["code"]
 
 
 def test_the_headline_is_the_score(page, tmp_path):
@@ -82,7 +82,7 @@ def test_what_was_let_through_comes_first_with_its_diff_and_command(page):
     words = shown_text(page)
     assert 0 < words.index("Let through") < words.index("Limits of detection")
     assert words.index("max(n_dot_v, 1e-4)") < words.index("Limits of detection")
-    assert "shadeproof attack --only 'lost 1'" in words
+    assert ".venv/bin/shadeproof attack --only 'lost 1'" in words
 
 
 def test_nothing_is_said_of_what_was_not_let_through(tmp_path):

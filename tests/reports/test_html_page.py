@@ -8,6 +8,7 @@ import pytest
 from reports.gate import judge
 from reports.html import write_report
 from reports.html.figures import METRICS, percent
+from reports.html.template import pasted
 from reports.results import CaseRecord, Missing, Results
 from scenes.frame import Frame, save_frame
 from tests.reports.pages import BUDGET, Page, results, row, written
@@ -177,3 +178,12 @@ def test_a_suite_stays_small(tmp_path):
     ]  # fmt: skip
     path = write_report(results(rows, cases=[case]), tmp_path)
     assert 8 * path.stat().st_size < 25e6
+
+
+def test_commands_run_when_they_are_pasted_in_the_project(folder):
+    (folder / "stability.json").write_text("{")
+    page = Page(written(results([row()]), folder))
+    (folder / "stability.json").unlink()
+    assert ".venv/bin/shadeproof compare --suite tiny" in page.text["code"]
+    assert "run `.venv/bin/shadeproof stability` again" in page.text["p"]
+    assert pasted("./my-shadeproof tool") == "./my-shadeproof tool"

@@ -71,7 +71,7 @@ def test_hostile_names_stay_text(page):
         and "lonely <i>" in shown_text(page)
         and "ball & <cone>" in shown_text(page)
     )
-    assert "shadeproof bench <all>" in shown_text(page)
+    assert ".venv/bin/shadeproof bench <all>" in shown_text(page)
 
 
 def test_no_figure_reads_nan(page):

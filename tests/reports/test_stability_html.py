@@ -49,7 +49,7 @@ def test_asks_for_nothing_and_every_link_leads_somewhere(page):
 def test_hostile_names_stay_text(page):
     assert not any("onclick" in a for _, a in page.elements)
     assert f"finite {EVIL}" in shown_text(page) and f"NaN {EVIL}" in shown_text(page)
-    assert "shadeproof stability <all>" in page.text["code"]
+    assert ".venv/bin/shadeproof stability <all>" in page.text["code"]
 
 
 def test_what_is_missed_is_the_headline(page):
@@ -99,7 +99,7 @@ def test_functions_that_miss_a_limit_are_unfolded(page):
 def test_a_worst_point_has_its_inputs_and_its_command(page):
     words = shown_text(page)
     assert "Worst: 1.6e−6 alpha 0.01, wi 0,0.6,0.8" in words
-    assert "shadeproof stability --at 'brdf alpha=0.01 wi=0,0.6,0.8'" in words
+    assert ".venv/bin/shadeproof stability --at 'brdf alpha=0.01 wi=0,0.6,0.8'" in words
     assert "Worst outside of it: 0.00634 alpha 0.0001" in words
 
 
