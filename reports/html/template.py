@@ -8,6 +8,8 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
+from reports.html.numbers import prose
+
 HERE = Path(__file__).parent
 STYLES, SCRIPTS = ("report.css", "attack.css", "stability.css"), ("report.js", "atlas.js")
 
@@ -46,5 +48,5 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters["pasted"] = pasted
+    made.filters |= {"pasted": pasted, "prose": prose}
     return made

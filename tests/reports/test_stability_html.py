@@ -5,8 +5,8 @@ import re
 
 import pytest
 
+from reports.html.numbers import departure, figure, input_value, prose
 from reports.html.stability import stability_of, write_page
-from reports.html.stability.numbers import departure, figure, input_value
 from reports.html.stability.view import headline, stability_view
 from reports.stability.results import Stability, load_stability, save_stability
 from tests.reports.atlases import (
@@ -185,3 +185,9 @@ def test_inputs_just_below_1_are_told_apart_from_it(value, text):
 )
 def test_what_is_about_1_is_told_by_its_departure(value, text):
     assert departure(value) == text
+
+
+def test_figures_in_a_sentence_read_as_elsewhere():
+    said = "off by 2.1e+00 at worst (alpha 1e-4, 7.6e-01 of -1.0e-06; allowed 1e-04)"
+    assert prose(said) == "off by 2.1 at worst (alpha 1e-4, 0.76 of −1e−6; allowed 1e−4)"
+    assert prose("code 0a7e-01, 12e+05") == "code 0a7e-01, 12e+05"

@@ -8,7 +8,7 @@ import numpy as np
 
 from reports.html.colour import ramp
 from reports.html.figures import slug
-from reports.html.stability.numbers import figure, input_value, name
+from reports.html.numbers import figure, input_value, name
 from reports.html.stability.scale import OVER, WITHIN, AtlasScale, drawn, over, place, scale_of
 from reports.stability.results import Axis, Map, Worst
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from reports.html.colour import ramp
+from reports.html.numbers import departure, figure
 from reports.html.png import indexed
-from reports.html.stability.numbers import departure, figure
 
 CELL = 8  # px of a cell in the picture
 STEPS = 33  # four for each power of ten

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.html.figures import NONE, seconds, slug
+from reports.html.numbers import departure, figure, input_value, name
 from reports.html.stability.maps import MapView, map_views
-from reports.html.stability.numbers import departure, figure, input_value, name
 from reports.html.trust import Fact, versions_of
 from reports.stability.results import HardCase, Map, Promise, Stability
 

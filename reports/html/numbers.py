@@ -1,6 +1,7 @@
 """Figures of many powers of ten as people read them."""
 
 import math
+import re
 
 from reports.html.figures import NONE, digits
 
@@ -38,3 +39,8 @@ def input_value(value: float) -> str:
 def name(of: str) -> str:
     """An input as it is written in the field."""
     return NAMES.get(of, of)
+
+
+def prose(text: str) -> str:
+    """A sentence in which a program wrote figures such as 7.6e-01, as people read them."""
+    return re.sub(r"-?\b\d(\.\d+)?e[+-]\d\d\b", lambda found: figure(float(found[0])), text)
