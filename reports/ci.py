@@ -12,7 +12,7 @@ from reports.terminal import describe, skips
 from scenes.frame import write_text
 
 COLUMNS = (
-    *("verdict", "case", "object", "material", "GGX share", "technique", "truth"),
+    *("verdict", "case", "object", "material", "weight", "technique", "truth"),
     *("local energy", "energy", "SSIM"),
 )
 

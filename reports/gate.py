@@ -227,7 +227,7 @@ def conclude(results: Results) -> Results:
     if undecided and not results.allow_inconclusive:
         reasons.append(f"{len(undecided)} rows are inconclusive at the cap of samples")
     reasons += [
-        f"the check '{c['name']}' fails: {c['detail']}"
+        f"conformance of {c['name']} fails: {c['detail']}"
         for c in results.provenance.get("parity", ())
         if c.get("judged") and not c["passed"]
     ]

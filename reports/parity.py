@@ -94,7 +94,7 @@ class Checks:
             worst = max(self.shaders, key=lambda a: a.worst)
             detail = (
                 f"the shaders' BRDF is off by {worst.worst:.1e} at worst against double precision "
-                f"(alpha {worst.alpha:.3g}, GGX share {worst.weight:g}; allowed {TOLERANCE:.0e})"
+                f"(alpha {worst.alpha:.3g}, weight {worst.weight:g}; allowed {TOLERANCE:.0e})"
             )
             made.append(_verdict("BRDF", worst.passed, detail))
         for d in self.definitions:

@@ -24,7 +24,7 @@ def print_results(results: Results, console: Console) -> None:
     table = Table(box=box.SIMPLE_HEAD, title=f"{results.suite}: {results.description}")
     table.add_column("material")
     for weight in weights:
-        table.add_column(f"GGX share {weight:g}", justify="right")
+        table.add_column(f"weight {weight:g}", justify="right")
     sections: dict[str, list[Row]] = {}
     for row in results.rows:
         heading = f"{row.scene}.{row.environment}: {row.technique} against {row.truth}"
@@ -36,7 +36,9 @@ def print_results(results: Results, console: Console) -> None:
             table.add_row(f"  {label}", *(cells.get(weight, "") for weight in weights))
         table.add_section()
     console.print(table)
-    console.print("Each cell: local energy error, energy error, SSIM.", style="dim")
+    console.print(
+        "Each cell: local energy error, energy error, SSIM. Weight: share of GGX.", style="dim"
+    )
     print_verdict(results, console)
 
 
@@ -100,7 +102,7 @@ def _spread(half: float) -> str:
 
 def describe(row: Row) -> str:
     """One row in one line."""
-    place = f"{row.object} ({row.material}, GGX share {row.weight:g}) in {row.case}"
+    place = f"{row.object} ({row.material}, weight {row.weight:g}) in {row.case}"
     against = f"{row.technique} against {row.truth}"
     if row.problem:
         return f"{row.verdict}: {place}, {against}: {row.problem}"
@@ -147,7 +149,7 @@ def print_energy_claim(claim: EnergyClaim, console: Console) -> None:
     for heading in ("furnace", "masking"):
         table.add_column(heading)
     for heading in ("least", "most"):
-        table.add_column(f"{heading}: roughness, angle, GGX weight", justify="right")
+        table.add_column(f"{heading}: roughness, angle, weight", justify="right")
     for quantity, name in FURNACES.items():
         for masking in MASKINGS:
             found = claim.least(quantity, masking), claim.most(quantity, masking)

@@ -54,7 +54,7 @@ def _charts(claim: EnergyClaim, kind: Kind) -> Iterable[Chart]:
     places = ((0.2, 80.0), (0.5, 80.0), (1.0, 89.0))
     yield _chart(
         claim, kind, "over weight",
-        "GGX weight", claim.weights, (0, 0.25, 0.5, 0.75, 1),
+        "weight", claim.weights, (0, 0.25, 0.5, 0.75, 1),
         "roughness, angle", {f"{r:g}, {a:g}°": (r, a, None) for r, a in places},
     )  # fmt: skip
     yield _chart(

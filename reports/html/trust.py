@@ -26,7 +26,7 @@ class Fact:
 def facts(results: Results) -> list[Fact]:
     """What the run says of itself, in the order in which doubts should be raised."""
     return [
-        _parity(results),
+        _conformance(results),
         Fact("Reference noise, 95 %, in the median and worst row", _noise(results)),
         _rows(results),
         *_references(results),
@@ -35,17 +35,17 @@ def facts(results: Results) -> list[Fact]:
     ]
 
 
-def _parity(results: Results) -> Fact:
+def _conformance(results: Results) -> Fact:
     checks = results.provenance.get("parity") or []
     if not checks:
-        return Fact("Parity", "not checked in this run", doubt=True)
+        return Fact("Conformance", "not checked in this run", doubt=True)
     failed = [c for c in checks if not c["passed"]]
     text = f"{len(checks) - len(failed)} of {len(checks)} checks pass"
     if failed:
         text += f"; {', '.join(c['name'] for c in failed)} does not"
     order = sorted(checks, key=lambda c: c["passed"])
     marks = (f"{'passes' if c['passed'] else 'FAILS'}: {c['name']}, {c['detail']}" for c in order)
-    return Fact("Parity", text, bool(failed), tuple(marks))
+    return Fact("Conformance", text, bool(failed), tuple(marks))
 
 
 def _noise(results: Results) -> str:

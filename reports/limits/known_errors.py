@@ -54,7 +54,7 @@ def known_errors(folder: Path) -> list[KnownError]:
     return [
         KnownError("roughness", "", 0.5, _materials(_moved("roughness"))),
         KnownError("F0", "", 0.5, _materials(_f0)),
-        KnownError("mixture weight", "", 1.0, _materials(_moved("weight"))),
+        KnownError("weight", "", 1.0, _materials(_moved("weight"))),
         KnownError("normal tilt", "degrees", 45.0, tilt),
         KnownError("environment rotation", "degrees", 90.0, turn),
         KnownError("field of view", "relative", 0.25, widen),

@@ -88,7 +88,7 @@ def test_what_was_let_through_comes_first_with_its_diff_and_command(page):
 def test_nothing_is_said_of_what_was_not_let_through(tmp_path):
     words = shown_text(page_of(tmp_path, full_attack(mutants=[mutant()])))
     assert "Let through" not in words and "False alarms" not in words
-    assert "Equivalent:" not in words and "Drew nothing" not in words
+    assert "Equivalent:" not in words and "Stillborn:" not in words
 
 
 def test_a_false_alarm_fails_and_is_told(tmp_path):
@@ -102,6 +102,12 @@ def test_a_false_alarm_fails_and_is_told(tmp_path):
 def test_arguments_and_what_saw_a_bug_stand_beside_it(page):
     words = shown_text(page)
     assert EQUAL.equivalent in words and plainly(SEEN) in words and "invalid swizzle" in words
+
+
+def test_what_drew_nothing_has_one_name(page):
+    words = shown_text(page)
+    assert "1 stillborn: nothing drawn" in words and "swizzle changed" in words
+    assert f"{DEAD.file}:{DEAD.line} stillborn" in words and "drew nothing" not in words
 
 
 def test_a_bug_has_its_name_and_what_it_is(tmp_path):

@@ -137,7 +137,7 @@ def test_every_chart_is_a_named_picture_in_the_pages_colours():
 
 def test_charts_tell_their_numbers():
     weak = energy_claim_view().charts[0][0]
-    assert weak.header[:2] == ["GGX weight", "0.2, 80°, paper"]
+    assert weak.header[:2] == ["weight", "0.2, 80°, paper"]
     (half,) = (row for row in weak.rows if row[0] == "0.5")
     assert half[3] == "89.3 %" and half[-1] == "100.0 %"
 

@@ -1,4 +1,4 @@
-"""What the report says of itself: parity, references, noise, budgets, and the paper's claim."""
+"""What the report says of itself: conformance, references, noise, budgets, and the paper's claim."""
 
 import numpy as np
 import pytest
@@ -6,13 +6,19 @@ import pytest
 from reports.furnace import MASKINGS, energy_claim
 from reports.html.trust import facts
 from scenes.suite import Budget
-from tests.reports.pages import BUDGET, Page, results, row, written
+from tests.reports.pages import BUDGET, Page, results, row, shown_text, written
 
 
-def test_trust_shows_parity_that_fails(folder):
+def test_trust_shows_conformance_that_fails(folder):
     text = Page(written(results([row()]), folder)).text["dl"]
-    assert "1 of 2 checks pass; background does not" in text
+    assert "Conformance1 of 2 checks pass; background does not" in text
     assert "FAILS: background, off by 3 %" in text and "llvmpipe" in text
+
+
+def test_a_weight_has_one_name_and_is_explained(folder):
+    words = shown_text(Page(written(results([row()]), folder)))
+    assert "weight share of GGX" in words and "share of GGX, the rest is Beckmann" in words
+    assert "GGX weight" not in words and "mixture weight" not in words and "Parity" not in words
 
 
 @pytest.mark.parametrize("ours", [True, False])

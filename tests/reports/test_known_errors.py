@@ -54,7 +54,7 @@ def test_an_error_changes_the_picture_and_otherwise_the_other_way(name, drawn):
 
 def test_roughness_and_weight_stay_between_nought_and_one(case, drawn):
     _, errors = drawn
-    for name, field in (("roughness", "roughness"), ("mixture weight", "weight")):
+    for name, field in (("roughness", "roughness"), ("weight", "weight")):
         for size in (-2.0, 2.0):
             changed = errors[name].case(case, size)
             assert {getattr(o.material, field) for o in changed.objects} == {max(size / 2, 0.0)}

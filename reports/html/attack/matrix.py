@@ -14,7 +14,7 @@ class Cell:
 
     Attributes:
         text: caught of those that a user could see; empty where no such bug was drawn.
-        note: what else there is: equivalent ones, and those that drew nothing.
+        note: what else there is: equivalent ones, and stillborn ones.
         state: a colour class of report.css.
         label: the same in a sentence.
         href: the list that tells of each.
@@ -65,7 +65,7 @@ def _cell(file: str, rule: str, own: Sequence[Mutant], href: str) -> Cell:
     seen = caught + missed
     notes = [
         *([f"{equal} equivalent"] if equal else []),
-        *([f"{dead} drew nothing"] if dead else []),
+        *([f"{dead} stillborn"] if dead else []),
     ]
     state = (
         "over2" if missed else "within2" if caught else "within1 undecided" if equal else "reported"

@@ -16,7 +16,7 @@ from reports.html.trust import Fact, versions_of
 
 ORDER = ("alarm", "survived", "stillborn", "caught", "passed")
 BADGES = {"caught": "pass", "passed": "pass", "survived": "fail", "alarm": "fail"}
-OUTCOMES = {"alarm": "false alarm", "stillborn": "drew nothing"}
+OUTCOMES = {"alarm": "false alarm"}
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def attack_view(attack: Attack) -> AttackView:
 
 
 def headline(attack: Attack) -> str:
-    """The score in one sentence; bugs that no user could see and that drew nothing are left out."""
+    """The score in one sentence; bugs that no user could see and stillborn ones are left out."""
     bugs = [m for m in attack.mutants if m.kind != "control"]
     controls = [m for m in attack.mutants if m.kind == "control"]
     caught, missed = (sum(m.outcome == "caught" for m in bugs), len(attack.unexplained))
@@ -166,7 +166,7 @@ def _parts(bugs: Sequence[MutantView]) -> list[Part]:
         ("survived", "let through", "missed"),
         ("caught", "caught", "caught"),
         ("equivalent", "equivalent: no user could see them, argued one by one", "equal"),
-        ("drew nothing", "drew nothing: refused by the compiler or the driver", "dead"),
+        ("stillborn", "stillborn: nothing drawn, refused by the compiler or the driver", "dead"),
     )
     parts = (Part(sum(v.outcome == o for v in bugs), words, kind) for o, words, kind in named)
     return [p for p in parts if p.count]

@@ -68,7 +68,7 @@ def _lobe_chart(here: Sequence[LobeSampling], axis: LogAxis) -> Chart:
     return line_chart(
         f"Roughness {roughness:g}, n·v {cos_theta:g}",
         f"Directions to 1 % in {light}, from {digits(_least(lines))} to {digits(_most(lines))}.",
-        Axis("GGX weight", (x[0], x[-1]), x),
+        Axis("weight (share of GGX)", (x[0], x[-1]), x),
         _log("directions to 1 %", axis, short),
         x,
         lines,

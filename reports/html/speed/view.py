@@ -129,7 +129,7 @@ def _object(
     drawn = plots(points, error.object, modes)
     return ObjectView(
         name=error.object,
-        surface=f"{error.material}, roughness {error.roughness:g}, GGX weight {error.weight:g}",
+        surface=f"{error.material}, roughness {error.roughness:g}, weight {error.weight:g}",
         plots=[_plot(plot, error.object, bench) for plot in drawn],
     )
 
