@@ -7,6 +7,7 @@ from pathlib import Path
 
 SHADERS = Path(__file__).parent / "shaders"
 _INCLUDE = re.compile(r'^#include "([\w.]+)"[ \t]*$', re.MULTILINE)
+SPAN = 1000  # more lines than any file has
 
 
 def source(
@@ -16,6 +17,8 @@ def source(
     inline: bool = False,
 ) -> str:
     """One shader as the driver gets it, each file included once.
+
+    Its #line directives say which file each line is of; see `place_of`.
 
     Args:
         text: a file in renderer/shaders or, if `inline`, GLSL itself. Without a #version line,
@@ -30,16 +33,39 @@ def source(
         if name in seen:
             return ""
         seen.add(name)
-        return resolve(_read(name))
+        first = _files().index(name) * SPAN
+        return f"#line {first + 1}\n{resolve(_read(name), first)}\n"
 
-    def resolve(body: str) -> str:
-        return _INCLUDE.sub(lambda match: include(match[1]), body)
+    def resolve(body: str, first: int) -> str:
+        def included(match: re.Match) -> str:
+            line = body.count("\n", 0, match.start()) + 1
+            return (text := include(match[1])) and f"{text}#line {first + line + 1}"
 
-    whole = resolve(text) if inline else include(text)
+        return _INCLUDE.sub(included, body)
+
+    whole = text if inline else _read(text)
+    first = 0 if inline else _files().index(text) * SPAN
     if not whole.startswith("#version"):
-        whole = "#version 330\n" + whole
-    version, body = whole.split("\n", 1)
-    return "\n".join([version, *(f"#define {d}" for d in sorted(defines)), body])
+        whole, first = f"#version 330\n{whole}", first - 1
+    version, body = resolve(whole, first).split("\n", 1)
+    return "\n".join(
+        [version, *(f"#define {d}" for d in sorted(defines)), f"#line {first + 2}", body]
+    )
+
+
+def place_of(line: int) -> str:
+    """The file and line that a compiler's messages call so; "" for GLSL that stands in no file.
+
+    Files are told apart by the thousands: of a #line directive's second number Mesa forgets most.
+    """
+    number, within = divmod(line, SPAN)
+    return f"{SHADERS / _files()[number]}:{within}" if 0 < number < len(_files()) else ""
+
+
+@cache
+def _files() -> list[str]:
+    """Every shader file, in the place of its thousand; the first is what stands in no file."""
+    return ["", *sorted(path.name for path in SHADERS.iterdir())]
 
 
 @cache

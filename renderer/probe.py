@@ -8,7 +8,7 @@ import numpy as np
 from renderer.context import context
 from renderer.features import features
 from renderer.glsl import source
-from renderer.program import bind_maps, fill, set_uniforms
+from renderer.program import bind_maps, compiled, fill, set_uniforms
 from renderer.targets import release
 from scenes.schema import PAPER, Material, Model
 
@@ -36,6 +36,9 @@ def probe(
 
     Returns:
         (n, 4) float32.
+
+    Raises:
+        InputError: it does not compile.
     """
     gl = context()
     columns = {n: _padded(values) for n, values in inputs.items()}
@@ -60,9 +63,10 @@ def probe(
         ]
     )
     included = "\n".join(f'#include "{name}"' for name in includes)
-    shader = gl.program(
-        vertex_shader=source("fullscreen.vert"),
-        fragment_shader=source(f"{included}\n{body}", defines, inline=True),
+    shader = compiled(
+        source("fullscreen.vert"),
+        source(f"{included}\n{body}", defines, inline=True),
+        f"{expression} with {', '.join(includes)}",
     )
     set_uniforms(shader, **{n: tuple(v[0].tolist()) for n, v in columns.items() if len(v) == 1})
     set_uniforms(shader, **(uniforms or {}))

@@ -1,12 +1,17 @@
 """Compiled shader programs, each made once, and how uniforms and maps reach them."""
 
+import re
 from functools import cache
 from typing import Any
 
 import moderngl
 
 from renderer.context import context
-from renderer.glsl import source
+from renderer.glsl import SHADERS, place_of, source
+from scenes.errors import InputError
+
+REMEDY = "mend the shader"
+_PLACE = re.compile(r"(?:ERROR: )?\d+[:(](\d+)[^:]*:\s*(?:error[^:]*:\s*)?(.+)")
 
 
 @cache
@@ -15,9 +20,37 @@ def program(
 ) -> moderngl.Program:
     """A program from two shader files; `shade` stands in for the included shade.glsl."""
     parts = {"shade.glsl": shade}
-    return context().program(
-        vertex_shader=source(vertex), fragment_shader=source(fragment, defines, parts)
-    )
+    return compiled(source(vertex), source(fragment, defines, parts), str(SHADERS / fragment))
+
+
+def compiled(vertex: str, fragment: str, where: str) -> moderngl.Program:
+    """A program from two whole sources, as `renderer.glsl.source` makes them.
+
+    Args:
+        where: what is told of as at fault where the compiler names no file.
+
+    Raises:
+        InputError: a shader does not compile, or the two do not fit.
+    """
+    try:
+        return context().program(vertex_shader=vertex, fragment_shader=fragment)
+    except moderngl.Error as error:
+        raise _refused(str(error), where) from error
+
+
+def _refused(told: str, where: str) -> InputError:
+    """A driver's message in one line, at the file and line of the first error.
+
+    Mesa writes 0:14(20): error: WORDS, NVIDIA 0(14) : error C1008: WORDS, and others
+    ERROR: 0:14: WORDS.
+    """
+    said = [line.strip() for line in told.splitlines() if "error" in line.lower()]
+    for line in said:
+        if place := _PLACE.match(line):
+            where = place_of(int(place[1])) or where
+            return InputError(where, "", f"does not compile: {place[2]}", REMEDY)
+    problem = said[-1] if said else told
+    return InputError(where, "", f"does not compile: {problem}", REMEDY)
 
 
 def set_uniforms(target: moderngl.Program, **values: Any) -> None:

@@ -89,12 +89,7 @@ def _gate(words: list[str], home: Path) -> tuple[int, str]:
     except subprocess.TimeoutExpired:
         return -1, f"took more than {TIME_LIMIT} s"
     lines = answer.stderr.strip().splitlines()
-    return answer.returncode, _compiler(lines) or (lines[-1] if lines else "")
-
-
-def _compiler(lines: list[str]) -> str:
-    """What the GLSL compiler said first, of a traceback."""
-    return next((line.strip() for line in lines if "error:" in line and "bug in" not in line), "")
+    return answer.returncode, lines[-1] if lines else ""
 
 
 def _outcome(change: Change, code: int, said: str, path: Path) -> tuple[Outcome, str]:
