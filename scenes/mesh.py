@@ -67,8 +67,9 @@ def load_mesh(mesh: str) -> Mesh:
     if stored is not None and not np.isfinite(stored).all():
         stored = None
     # trimesh's tolerances are lengths: they fit a mesh of size 1 at the origin.
-    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    size = np.ptp(vertices, axis=0).max() or 1.0
+    used = vertices[np.unique(faces)]  # a stray vertex says nothing of its size
+    middle = (used.min(axis=0) + used.max(axis=0)) / 2
+    size = np.ptp(used, axis=0).max() or 1.0
     raw = trimesh.Trimesh((vertices - middle) / size, faces, vertex_normals=stored, process=False)
     if stored is None:
         raw.merge_vertices()

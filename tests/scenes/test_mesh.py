@@ -186,6 +186,14 @@ def load_mesh_of(folder, vertices, faces, name):
     return load_mesh(str(folder / f"{name}.obj"))
 
 
+def test_a_stray_vertex_far_off_changes_nothing(tmp_path):
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    alone = load_mesh_of(tmp_path, corners, [[0, 1, 2]], "alone")
+    beside = load_mesh_of(tmp_path, [*corners, [1e12, 0, 0]], [[0, 1, 2]], "beside")
+    np.testing.assert_array_equal(beside.vertices, alone.vertices)
+    np.testing.assert_array_equal(beside.faces, alone.faces)
+
+
 def test_triangles_without_area_are_dropped_and_no_normal_is_nan(tmp_path):
     square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]]
     faces = [[0, 1, 2], [0, 2, 3], [0, 1, 4], [3, 3, 1]]
