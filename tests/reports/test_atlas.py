@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 from reports.html.stability.maps import map_views
-from reports.html.stability.scale import CELL, DEPARTURES, ERRORS, OVER, SHARES, WITHIN, place
+from reports.html.stability.scale import (
+    CELL,
+    DEPARTURES,
+    ERRORS,
+    OVER,
+    RATIOS,
+    SHARES,
+    WITHIN,
+    place,
+)
 from tests.reports.atlases import ALPHAS, COSINES, furnace, made, small, worst
 from tests.reports.pages import pixels
 
@@ -83,7 +92,7 @@ def test_both_sides_of_a_range_are_over():
     low, right, high = cells(view)[0]
     assert BLACK in colours(low) and BLACK in colours(high) and BLACK not in colours(right)
     assert view.slices[0].cells == "0.9;1;1.2" and view.limit == "1 ± 0.001"
-    assert view.limits == [pytest.approx(62.5)] and view.decades
+    assert view.limits == [pytest.approx(62.5)]
     low, right, high = cells(map_view(small([[0.2, 1.0, 1.2]], at_least=0.0, **fields)))[0]
     assert BLACK not in colours(low) and BLACK not in colours(right) and BLACK in colours(high)
 
@@ -94,13 +103,42 @@ def test_scales_are_the_same_for_every_map():
     assert [place(SHARES, v) for v in (0, 1, 3)] == [0, 80, 100]
 
 
+def test_shares_of_what_is_allowed_are_linear():
+    view = map_view(small([[0.0, 0.625, 1.25]], limit=1.0, passed=False))
+    assert view.ticks == RATIOS.ticks and view.limits == [80]
+    none, half, most = cells(view)[0]
+    assert colours(none) == [rgba(WITHIN[0])] and colours(half) == [rgba(WITHIN[2])]
+    assert colours(most)[0] == rgba(OVER[-1])
+
+
+def test_every_map_has_a_dot_by_how_far_off_its_worst_figure_is():
+    share = {"at_least": 0.0, "limit": 1.001}
+    dots = {
+        (value, limit): (view.dot, view.bound)
+        for value, limit, view in (
+            (v, fields.get("limit"), map_view(small([[v]], worst=worst(v), **fields)))
+            for v, fields in (
+                (1 + 1e-5, share), (0.5, share), (1e-6, {"limit": 1e-4}), (math.nan, {}),
+                (1 - 1e-6, {"at_least": 0.999, "limit": 1.001}), (1e-2, {"limit": None}),
+            )
+        )
+    }  # fmt: skip
+    bound = pytest.approx(62.5, abs=0.01)
+    assert dots[1 + 1e-5, 1.001] == (pytest.approx(37.5, abs=0.01), bound)
+    assert dots[0.5, 1.001] == (0, bound)
+    assert dots[1e-6, 1e-4] == (25, 50)
+    assert dots[1 - 1e-6, 1.001] == (pytest.approx(25, abs=0.01), bound)
+    assert dots[1e-2, None] == (75, None)
+    assert [d for (v, _), (d, _) in dots.items() if v != v] == [100]
+
+
 def test_maps_of_one_invariant_share_a_scale():
     judged = made(at_least=0.999, limit=1.001)
     told, other = made(limit=None, masking="paper"), made("brdf", "reciprocal")
     views = map_views([judged, told, other])
     assert views[0].ticks == views[1].ticks == DEPARTURES.ticks and views[2].ticks == ERRORS.ticks
     shares = map_views([made(at_least=0.0, limit=1.001)])
-    assert shares[0].ticks == SHARES.ticks and not shares[0].decades
+    assert shares[0].ticks == SHARES.ticks
     assert shares[0].limits == [0, pytest.approx(80.08)]
 
 

@@ -85,15 +85,32 @@ def test_the_summary_is_worst_first_with_the_unlimited_last():
     ]  # fmt: skip
 
 
-def test_functions_that_miss_a_limit_are_unfolded(page):
-    folds = {
-        a["id"]: "open" in a for t, a in page.elements
-        if t == "details" and a.get("id", "").startswith("atlas--")
-    }  # fmt: skip
-    assert folds == {
-        "atlas--sample_ggx": True, "atlas--G_smith_mixture": True, "atlas--D_ggx": False,
-        "atlas--brdf": False, "atlas--D_beckmann": False,
-    }  # fmt: skip
+def unfolded(page):
+    """The functions and the maps of the atlas that are."""
+    folds = [a for t, a in page.elements if t == "details" and "fold" in a.get("class", "")]
+    functions = [a["id"] for a in folds if "function" in a["class"] and "open" in a]
+    return functions, sum("map" in a["class"] and "open" in a for a in folds)
+
+
+def test_what_misses_a_limit_is_unfolded_and_one_map_in_any_case(page, tmp_path):
+    assert unfolded(page) == (
+        ["atlas--sample_ggx", "atlas--G_smith_mixture", "atlas--brdf"], 3,
+    )  # fmt: skip
+    fine = [made("D_ggx"), made("brdf", "reciprocal", limit=2e-5), made(), made(masking="smith")]
+    view = stability_view(full_stability(maps=fine))
+    assert [f.name for f in view.functions] == ["brdf", "D_ggx"]
+    assert view.functions[0].maps[0].map.invariant == "against float64"
+    assert unfolded(page_of(tmp_path, full_stability(maps=fine))) == (["atlas--brdf"], 1)
+
+
+def test_a_share_of_light_ranks_by_what_is_over_1():
+    def share(name, value):
+        allowed = {"at_least": 0.0, "limit": 1.001, "judged": {}, "beyond": None}
+        return made(name, of=lambda *_: value, worst=worst(value), passed=True, **allowed)
+
+    maps = [share("far", 1 + 2.4e-5), share("none", 0.7), made("near"), share("close", 1.0009)]
+    found = [m.map.function for m in stability_view(full_stability(maps=maps)).summary]
+    assert found == ["close", "far", "near", "none"]
 
 
 def test_a_worst_point_has_its_inputs_and_its_command(page):

@@ -9,7 +9,16 @@ import numpy as np
 from reports.html.colour import ramp
 from reports.html.figures import slug
 from reports.html.numbers import figure, input_value, name
-from reports.html.stability.scale import OVER, WITHIN, AtlasScale, drawn, over, place, scale_of
+from reports.html.stability.scale import (
+    ERRORS,
+    OVER,
+    WITHIN,
+    AtlasScale,
+    drawn,
+    over,
+    place,
+    scale_of,
+)
 from reports.stability.results import Axis, Map, Worst
 
 TICKS = 4  # on an axis, at most
@@ -46,7 +55,11 @@ class WorstView:
 
 @dataclass(frozen=True)
 class MapView:
-    """One map; `place`, `limits` and `ticks` are in percent of its scale."""
+    """One map; `limits` and `ticks` are in percent of its scale.
+
+    `dot` and `bound` are how far off the worst figure is and how far it may be, in percent of the
+    scale of errors, which all maps share; `bound` is None where nothing is promised.
+    """
 
     id: str
     map: Map
@@ -55,8 +68,8 @@ class MapView:
     limit: str
     beyond: str
     over: bool
-    place: float
-    decades: bool
+    dot: float
+    bound: float | None
     limits: list[float]
     legend: str
     ticks: tuple[tuple[float, str], ...]
@@ -70,11 +83,9 @@ class MapView:
 
 def map_views(maps: Sequence[Map]) -> list[MapView]:
     """Everything that the page shows of maps; those of one invariant share a scale."""
-    ranges: dict[str, list[tuple[float, float]]] = {}
+    ranges: dict[str, list[tuple[float | None, float | None]]] = {}
     for found in maps:
-        allowed = ranges.setdefault(found.invariant, [])
-        if found.at_least is not None and found.limit is not None:
-            allowed.append((found.at_least, found.limit))
+        ranges.setdefault(found.invariant, []).append((found.at_least, found.limit))
     return [_view(found, scale_of(ranges[found.invariant])) for found in maps]
 
 
@@ -88,6 +99,7 @@ def _view(found: Map, scale: AtlasScale) -> MapView:
     beyond = over(values, found.at_least, found.limit)
     ends = [place(scale, v) for v in (found.at_least, found.limit) if v is not None]
     limits = ends[-1:] if scale.decades else ends
+    worst = found.worst.value
     slices, rows, columns = found.axes
     points = [("Worst", _point(found.worst, f"{id}--worst", scale.told))]
     if found.beyond:
@@ -100,12 +112,12 @@ def _view(found: Map, scale: AtlasScale) -> MapView:
         id=id,
         map=found,
         what=found.invariant + (f", masking {found.masking}" if found.masking else ""),
-        worst=scale.told(found.worst.value, 3),
+        worst=scale.told(worst, 3),
         limit=limit_text(found.at_least, found.limit),
         beyond=scale.told(found.beyond.value, 3) if found.beyond else "",
         over=not found.passed,
-        place=place(scale, found.worst.value),
-        decades=scale.decades,
+        dot=place(ERRORS, scale.off(worst if worst == worst else math.inf)),
+        bound=None if found.limit is None else place(ERRORS, scale.off(found.limit)),
         limits=limits,
         legend=_legend(limits),
         ticks=scale.ticks,

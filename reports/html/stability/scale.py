@@ -35,12 +35,14 @@ class AtlasScale:
         place: figures to places, 0 to 1 and beyond.
         ticks: places in percent and labels.
         told: a figure to some digits, as text.
+        off: how far off a figure is: of what is to be 1 its departure, of a share what is over 1.
         decades: whether places are powers of ten, from 1e-8 to 1.
     """
 
     place: Callable[[np.ndarray], np.ndarray]
     ticks: tuple[tuple[float, str], ...]
     told: Callable[[float, int], str]
+    off: Callable[[float], float] = lambda value: value
     decades: bool = True
 
 
@@ -57,24 +59,30 @@ DEPARTURES = AtlasScale(
     lambda values: _logarithmic(np.abs(values - 1)),
     ((0, "1 exactly"), (25, "±1e−6"), (50, "±1e−4"), (75, "±1e−2"), (100, "±1 or more")),
     told=departure,
+    off=lambda value: abs(value - 1),
 )
 MOST = 1.25
 SHARES = AtlasScale(
     lambda values: values / MOST,
     ((0, "0"), (40, "0.5"), (80, "1"), (100, f"{MOST} or more")),
     told=departure,
+    off=lambda value: max(value - 1, 0.0),
     decades=False,
 )
+RATIOS = AtlasScale(SHARES.place, SHARES.ticks, told=figure, decades=False)
 
 
-def scale_of(ranges: Iterable[tuple[float, float]]) -> AtlasScale:
-    """The scale of figures by the ranges that any of them is allowed.
+def scale_of(ranges: Iterable[tuple[float | None, float | None]]) -> AtlasScale:
+    """The scale of figures by what any of them is allowed: from where, and to where.
 
-    A range around 1 is about departures from 1, another one about shares of a whole; without one
-    they are errors.
+    A range around 1 is about departures from 1, another one about shares of a whole. Without one
+    they are shares of what is allowed where the limit is 1, and else errors.
     """
     for low, high in ranges:
-        return DEPARTURES if math.isclose(1 - low, high - 1, rel_tol=1e-6) else SHARES
+        if low is not None and high is not None:
+            return DEPARTURES if math.isclose(1 - low, high - 1, rel_tol=1e-6) else SHARES
+        if high == 1:
+            return RATIOS
     return ERRORS
 
 

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from reports.html.figures import NONE, seconds, slug
 from reports.html.numbers import departure, figure, input_value, name
 from reports.html.stability.maps import MapView, map_views
+from reports.html.stability.scale import scale_of
 from reports.html.trust import Fact, versions_of
 from reports.stability.results import HardCase, Map, Promise, Stability
 
+FIRST = ("brdf", "against float64")  # the map to look at where none is over its limit
 KINDS = {
     "function": "Functions", "material": "Materials", "environment": "Environments",
     "mesh": "Meshes", "image": "Images",
@@ -29,12 +31,12 @@ class PromiseView:
 
 @dataclass(frozen=True)
 class FunctionView:
-    """The maps of one function."""
+    """The maps of one function; `open` are the ids of those that are unfolded."""
 
     name: str
     id: str
     told: str
-    missed: bool
+    open: set[str]
     maps: list[MapView]
 
 
@@ -116,11 +118,8 @@ def _urgency(found: Map) -> tuple[bool, bool, float]:
     value = found.worst.value if math.isfinite(found.worst.value) else math.inf
     if found.limit is None:
         return found.passed, True, -value
-    if found.at_least is None:
-        return found.passed, False, -(value / found.limit if found.limit else value)
-    half = (found.limit - found.at_least) / 2
-    middle = (found.limit + found.at_least) / 2
-    return found.passed, False, -abs(value - middle) / half if half else 0.0
+    off = scale_of([(found.at_least, found.limit)]).off
+    return found.passed, False, -off(value) / (off(found.limit) or 1)
 
 
 def _promise(promise: Promise) -> PromiseView:
@@ -133,7 +132,8 @@ def _promise(promise: Promise) -> PromiseView:
 
 
 def _functions(views: Sequence[MapView]) -> list[FunctionView]:
-    """By function, in the order of the summary."""
+    """By function, in the order of the summary; what is over its limit is unfolded, and one map."""
+    shown = next((v for v in views if (v.map.function, v.map.invariant) == FIRST), None)
     groups: dict[str, list[MapView]] = {}
     for view in views:
         groups.setdefault(view.map.function, []).append(view)
@@ -141,8 +141,10 @@ def _functions(views: Sequence[MapView]) -> list[FunctionView]:
     for function, own in groups.items():
         missed = sum(v.over for v in own)
         told = _count(len(own), "map") + (f", {missed} over the limit" if missed else "")
-        found.append(FunctionView(function, slug("atlas", function), told, bool(missed), own))
-    return found
+        unfolded = {v.id for v in own if v.over or v is shown}
+        own = sorted(own, key=lambda v: v.id not in unfolded)
+        found.append(FunctionView(function, slug("atlas", function), told, unfolded, own))
+    return sorted(found, key=lambda f: not f.open)
 
 
 def _kinds(cases: Sequence[HardCase]) -> list[tuple[str, str, list[CaseView]]]:
