@@ -1,4 +1,4 @@
-"""What the report says of itself: conformance, references, noise, budgets, and the paper's claim."""
+"""What the report says of itself: conformance, references, noise, budgets, the claim of energy."""
 
 import numpy as np
 import pytest
