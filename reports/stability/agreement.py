@@ -8,6 +8,35 @@ from scenes.schema import Material
 
 TOLERANCE = 1e-4  # of max(|f|, 1e-4 of the lobe's peak)
 FLOOR = 1e-4
+BINS = 10 ** np.linspace(-4, 0, 33)[1:-1]  # of n.v, eight a decade; ends hold what lies beyond
+
+
+def off_by(ours: np.ndarray, theirs: np.ndarray, peak: np.ndarray | float) -> np.ndarray:
+    """|ours - theirs| over max(|theirs|, 1e-4 of the peak); what is no number counts as infinite.
+
+    Args:
+        ours, theirs, peak: broadcast together; the peak is the lobe's, at least 0.
+    """
+    ours, size = ours.astype(float), np.abs(theirs.astype(float))
+    with np.errstate(all="ignore"):
+        off = np.abs(ours - theirs) / np.maximum(np.maximum(size, FLOOR * peak), 1e-300)
+    return np.where(np.isfinite(ours), off, np.inf)
+
+
+def peaks(f: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+    """The largest |f| of all pairs in the same bin of n.v, (n, parts).
+
+    At grazing angles it is up to 1e8 times what it is from above: one peak for all would hide
+    whatever is wrong there.
+
+    Args:
+        f: (n, parts).
+        cosine: n.v of each pair, (n,).
+    """
+    bins = np.digitize(cosine, BINS)
+    largest = np.zeros((len(BINS) + 1, f.shape[1]))
+    np.maximum.at(largest, bins, np.abs(f))
+    return largest[bins]
 
 
 @dataclass(frozen=True)
@@ -15,7 +44,7 @@ class Agreement:
     """The worst difference between two evaluations of one material.
 
     Attributes:
-        worst: |difference| over max(|f|, 1e-4 of the lobe's peak).
+        worst: |difference| over max(|f|, 1e-4 of the lobe's peak at such an n.v).
         wi, wo: the directions where it is found, in the tangent frame.
     """
 
@@ -43,8 +72,7 @@ def agreement(
     wo: np.ndarray,
 ) -> Agreement:
     """The worst difference of two evaluations (n, 3); NaN counts as infinite."""
-    scale = np.maximum(np.abs(theirs), FLOOR * np.abs(theirs).max(axis=0))
-    off = np.nan_to_num(np.abs(ours - theirs) / scale, nan=np.inf).max(axis=1)
+    off = off_by(ours, theirs, peaks(theirs, wo[:, 2])).max(axis=1)
     at = int(off.argmax())
     return Agreement(
         material.alpha,

@@ -7,6 +7,7 @@ from scenes.schema import Material
 ALPHAS = (0.01, 0.05, 0.16, 0.49, 1.0)
 WEIGHTS = (0.0, 0.25, 0.5, 1.0)
 MASKINGS = ("paper", "smith")
+GRAZING = 1e-4  # the least cosine for which agreement is promised
 
 
 def materials() -> list[Material]:
@@ -28,13 +29,13 @@ def materials() -> list[Material]:
 def directions(alpha: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of unit directions, two (n, 3) float32 arrays, many of them near the lobe's peak.
 
-    Half of the pairs are spread over the hemisphere down to grazing angles; the others are
+    Half of the pairs are spread over the hemisphere, down to cosines of 1e-4; the others are
     mirrored about normals within a few alpha of n.
     """
     rng = np.random.default_rng(seed)
     count = 20_000
     cosine = np.concatenate(
-        [rng.uniform(1e-3, 1, count // 2), 10 ** rng.uniform(-3, 0, count // 2)]
+        [rng.uniform(GRAZING, 1, count // 2), GRAZING ** rng.uniform(0, 1, count // 2)]
     )
     wo = _direction(cosine, rng.uniform(0, 2 * np.pi, count))
     spread = _direction(rng.permutation(cosine), rng.uniform(0, 2 * np.pi, count))
@@ -42,7 +43,7 @@ def directions(alpha: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     h = _direction(np.cos(tilt), rng.uniform(0, 2 * np.pi, count))
     mirrored = 2 * (wo * h).sum(axis=1, keepdims=True) * h - wo
     wi = np.where((np.arange(count) % 2 == 0)[:, None], spread, mirrored)
-    above = wi[:, 2] > 1e-3
+    above = wi[:, 2] > GRAZING
     return wi[above].astype(np.float32), wo[above].astype(np.float32)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reports.stability.agreement import FLOOR
+from reports.stability.agreement import off_by
 from reports.stability.results import Axis, Map, Worst
 
 SCALE = "|difference| over max(|f|, 1e-4 of the largest in the cell)"
@@ -28,16 +28,12 @@ def difference(
         peak: of the lobe, (n,) or one; by default the largest |exact| in a cell.
     """
     shape = (*cells, -1, exact.shape[-1])
-    ours, exact = ours.reshape(shape).astype(float), exact.reshape(shape).astype(float)
-    size = np.abs(exact)
+    ours, exact = ours.reshape(shape), exact.reshape(shape)
     if peak is None:
-        peak = size.max(axis=-2, keepdims=True)
+        peak = np.abs(exact).max(axis=-2, keepdims=True)
     elif np.ndim(peak):
         peak = np.reshape(peak, (*shape[:-1], 1))
-    with np.errstate(all="ignore"):
-        off = np.abs(ours - exact) / np.maximum(np.maximum(size, FLOOR * peak), 1e-300)
-    off[~np.isfinite(ours)] = np.inf
-    return off.max(axis=-1)
+    return off_by(ours, exact, peak).max(axis=-1)
 
 
 def make_map(

@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 
+from renderer import glsl
 from reports.cli import main
 from scenes.frame import Frame, save_frame
 from tests.reports.pages import HEIGHT, WIDTH
@@ -67,3 +68,19 @@ def folder(tmp_path):
     for name in ("a.exr", "b.exr"):
         save_frame(Frame(truth, ids), tmp_path / name)
     return tmp_path
+
+
+@pytest.fixture
+def broken(monkeypatch):
+    """Put a fault into a shader file: this text instead of that."""
+    read = glsl._read.__wrapped__
+
+    def put(file: str, right: str, wrong: str):
+        assert right in read(file)  # else there would be no fault
+
+        def faulty(name: str) -> str:
+            return read(name).replace(right, wrong) if name == file else read(name)
+
+        monkeypatch.setattr(glsl, "_read", faulty)
+
+    return put

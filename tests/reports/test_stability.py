@@ -92,6 +92,23 @@ def test_a_difference_of_twice_the_tolerance_is_seen():
     assert not agreement(material, "smith", "", oracle(material, wi, wo), f, wi, wo).passed
 
 
+@pytest.mark.parametrize("roughness", [0.1, 0.2, 0.4])
+def test_half_of_the_diffuse_light_lost_is_seen_however_high_the_lobes_peak(roughness):
+    """One peak for all n.v would let it pass: at grazing angles the lobe is 1e10 times as high."""
+    fields = {"roughness": roughness, "metallic": 0.0, "f0": 0.04, "weight": 0.5}
+    right, wrong = (Material(albedo=(a,) * 3, **fields) for a in (0.6, 0.3))
+    wi, wo = directions(right.alpha)
+    ours, theirs = (oracle(m, wi, wo) for m in (wrong, right))
+    assert agreement(right, "paper", "", ours, theirs, wi, wo).worst == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("alpha", [1e-4, 0.01, 1.0])
+def test_directions_reach_down_to_cosines_of_1e_4_on_both_sides(alpha):
+    for w in directions(alpha):
+        assert 1e-4 <= w[:, 2].min() * (1 + 1e-6) < 2e-4
+        np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, rtol=3e-7)
+
+
 def furnace(f, alpha: float, degrees: list[float]) -> np.ndarray:
     """The weak white furnace: the area of visible facets over the area that they should have, (n,).
 

@@ -3,25 +3,8 @@
 import numpy as np
 import pytest
 
-from renderer import glsl
 from reports.run.stability import NAMED, furnaces, geometry, terms
 from reports.run.stability.brdf import Sweep, stock_maps
-
-
-@pytest.fixture
-def broken(monkeypatch):
-    """Put a fault into a shader file: this text instead of that."""
-    read = glsl._read.__wrapped__
-
-    def put(file: str, right: str, wrong: str):
-        assert right in read(file)  # else there would be no fault
-
-        def faulty(name: str) -> str:
-            return read(name).replace(right, wrong) if name == file else read(name)
-
-        monkeypatch.setattr(glsl, "_read", faulty)
-
-    return put
 
 
 def failed(maps) -> set[str]:

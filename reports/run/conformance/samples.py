@@ -8,6 +8,7 @@ from reports.conformance.kernels import cumulated
 from reports.conformance.result import Conformance
 from reports.run.conformance.shared import MATERIAL, UNIFORMS, measured, uniforms_of
 from reports.stability import oracle
+from reports.stability.agreement import off_by, peaks
 from reports.stability.directions import directions
 from scenes.schema import Material
 
@@ -43,8 +44,8 @@ def of_samples(material: Material, how: Technique) -> list[Conformance]:
         features(material),
         uniforms_of(material),
         UNIFORMS,
-    )[:, 0]
-    theirs = oracle.sample_density(wi, wo, alpha, np.array(count))
-    off = np.abs(ours - theirs) / np.maximum(theirs, 1e-4 * theirs.max())
+    )[:, :1]
+    theirs = oracle.sample_density(wi, wo, alpha, np.array(count))[:, None]
+    off = off_by(ours, theirs, peaks(theirs, wo[:, 2]))
     found.append(measured("densities", off.max(), f"{material.name}, alpha {alpha:.3g}"))
     return found

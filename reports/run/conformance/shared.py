@@ -24,7 +24,7 @@ ALLOWED = {
     "tables": 0.01,
     "split sum": 5e-3,
     "samples": 1e-4,
-    "densities": 1e-3,
+    "densities": 1e-4,
     "horizon": 0.0,
     "normals": 1e-5,
 }

@@ -7,7 +7,7 @@ import numpy as np
 from reports.run.stability.furnaces import furnaces
 from reports.run.stability.geometry import level, split_sum
 from reports.run.stability.sides import exact, mitsuba, shader
-from reports.stability.agreement import FLOOR
+from reports.stability.agreement import off_by
 from reports.stability.points import Point
 
 Told = tuple[str, np.ndarray]  # what, and its numbers
@@ -21,13 +21,12 @@ def evaluate(point: Point) -> list[Told]:
         return told
     ours, truth = sides["GLSL"].astype(float), sides["float64"]
     told.append(("difference", np.abs(ours - truth)))
-    scale, words = np.abs(truth), "over |float64|"
+    peak, words = 0.0, "over |float64|"
     if point.name == "brdf":
         mirrored = point.inputs | {"wi": point.inputs["wo"] * np.float32([-1, -1, 1])}
-        scale = np.maximum(scale, FLOOR * np.abs(exact("brdf", mirrored, point.masking)[0]))
+        peak = np.abs(exact("brdf", mirrored, point.masking)[0])
         words = "over max(|f|, 1e-4 of it at h = n)"
-    with np.errstate(all="ignore"):
-        told.append((words, np.abs(ours - truth) / scale))
+    told.append((words, off_by(ours, truth, peak)))
     return told
 
 
