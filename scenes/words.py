@@ -1,6 +1,8 @@
 """What a validator refuses, in the words of someone who writes the file or the option."""
 
 import reprlib
+from collections.abc import Iterable
+from difflib import get_close_matches
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -54,6 +56,12 @@ class _Toml(reprlib.Repr):
 
 
 show = _Toml().repr
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """What somebody may have meant, as a remedy's first words; "" if nothing is like it."""
+    found = get_close_matches(name, known, 3, 0.5)
+    return f"is it {' or '.join(repr(n) for n in found)}? " if found else ""
 
 
 def first_mistake(error: ValidationError, kind: type[BaseModel] | None = None) -> tuple[str, ...]:

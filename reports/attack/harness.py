@@ -1,16 +1,15 @@
 """Runs the real gate, as a process of its own, on a changed copy of the renderer."""
 
-import os
 import shutil
-import subprocess
-import sys
+import signal
 import tempfile
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict
 from pathlib import Path
 
+from reports.attack.gates import OUT_OF_TIME, Gates
 from reports.attack.mutants import RENDERER, Change
 from reports.attack.results import Mutant, Outcome
 from reports.gate import LOWER, worst_first
@@ -18,14 +17,16 @@ from reports.results import Results, load_results
 from scenes.errors import InputError
 
 ROOT = RENDERER.parent
-TIME_LIMIT = 180  # seconds; a gate takes 8, or some times that beside others
 # Appended to the copy: proof that it is what was imported.
 PROOF = "\n__import__('pathlib').Path(__file__).with_name('imported').touch()\n"
-TIDY = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}  # two at a time share the cores
+# What a driver that is led astray dies of; any other signal came from outside.
+SIGNALS = "SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"
+CRASHES = {-signal.Signals[name] for name in SIGNALS}
+MACHINE = ("error: memory: ", "cannot be used (")  # see reports/cli/main.py
 
 
 def attack(
-    injected: list[Change],
+    changes: list[Change],
     suite: str,
     store: Path,
     jobs: int,
@@ -33,29 +34,39 @@ def attack(
 ) -> list[Mutant]:
     """The gate's verdict on each change, in order; `jobs` processes at a time.
 
+    Whatever ends it early kills the gates that run.
+
     Args:
         suite: whose references the store holds.
         told: called with each verdict as it comes.
 
     Raises:
-        InputError: the gate fails where nothing is changed.
+        InputError: the gate fails where nothing is changed, or cannot run.
     """
-    nothing = Change("nothing", "control", "", "__init__.py", 1, "", "")
-    if (unchanged := run(nothing, suite, store)).outcome != "passed":
-        problem = f"the gate fails where nothing is changed: {unchanged.by}"
-        raise InputError("--suite", suite, problem, "mend that first")
-
-    def one(change: Change) -> Mutant:
-        mutant = run(change, suite, store)
-        told(mutant)
-        return mutant
-
+    gates = Gates()
     with ThreadPoolExecutor(jobs) as pool:
-        return list(pool.map(one, injected))
+        try:
+            nothing = Change("nothing", "control", "", "__init__.py", 1, "", "")
+            unchanged = pool.submit(run, nothing, suite, store, gates).result()
+            if unchanged.outcome != "passed":
+                problem = f"the gate fails where nothing is changed: {unchanged.by}"
+                raise InputError("--suite", suite, problem, "mend that first")
+            running = [pool.submit(run, change, suite, store, gates) for change in changes]
+            for done in as_completed(running):
+                told(done.result())
+            return [done.result() for done in running]
+        except BaseException:
+            gates.end()
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
 
 
-def run(change: Change, suite: str, store: Path) -> Mutant:
-    """Change a copy of the renderer, put it first on the path, and ask the gate."""
+def run(change: Change, suite: str, store: Path, gates: Gates | None = None) -> Mutant:
+    """Change a copy of the renderer, put it first on the path, and ask the gate.
+
+    Raises:
+        InputError: the gate could not run, for no fault of the change.
+    """
     start = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="shadeproof-") as name:
         home = Path(name)
@@ -65,31 +76,13 @@ def run(change: Change, suite: str, store: Path) -> Mutant:
         with (copy / "__init__.py").open("a", encoding="utf-8") as file:
             file.write(PROOF)
         words = ["gate", "--verdict-only", "--suite", suite, "--frozen", "--store", store.resolve()]
-        code, said = _gate([*map(str, words), "--out", str(home / "out")], home)
+        words += ["--out", home / "out"]
+        code, said = (gates or Gates()).run([str(w) for w in words], [home, ROOT], home)
         if code in (0, 1) and not (copy / "imported").exists():
             raise RuntimeError("the gate did not import the changed renderer")
         outcome, by = _outcome(change, code, said, home / "out/results.json")
     fields = asdict(change) | {"outcome": outcome, "exit_code": code, "by": by}
     return Mutant(**fields, seconds=time.perf_counter() - start)
-
-
-def _gate(words: list[str], home: Path) -> tuple[int, str]:
-    """The gate's exit code (-1 where it ran out of time) and its last line of errors."""
-    path = os.pathsep.join([str(home), str(ROOT)])
-    command = [sys.executable, "-m", "reports.cli", *words]
-    try:
-        answer = subprocess.run(
-            command,
-            cwd=home,
-            env=os.environ | TIDY | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"},
-            capture_output=True,
-            text=True,
-            timeout=TIME_LIMIT,
-        )
-    except subprocess.TimeoutExpired:
-        return -1, f"took more than {TIME_LIMIT} s"
-    lines = answer.stderr.strip().splitlines()
-    return answer.returncode, lines[-1] if lines else ""
 
 
 def _outcome(change: Change, code: int, said: str, path: Path) -> tuple[Outcome, str]:
@@ -98,7 +91,14 @@ def _outcome(change: Change, code: int, said: str, path: Path) -> tuple[Outcome,
     if code == 1:
         results = load_results(path)
         return ("alarm" if change.kind == "control" else "caught"), first_reason(results)
-    return "stillborn", said
+    if code == OUT_OF_TIME:
+        return "timeout", said
+    if code in CRASHES:
+        return "stillborn", f"crashed: {signal.Signals(-code).name}"
+    if code != 2 or any(words in said for words in MACHINE):
+        problem = f"the gate could not run (exit code {code}): {said}"
+        raise InputError("attack", change.id, problem, "mend that, and run again")
+    return "stillborn", said.removeprefix("error: ")
 
 
 def first_reason(results: Results) -> str:

@@ -8,7 +8,7 @@ from reports.results import Figure
 
 SCHEMA_VERSION = 1
 Kind = Literal["rule", "realistic", "control"]
-Outcome = Literal["caught", "survived", "stillborn", "passed", "alarm"]
+Outcome = Literal["caught", "survived", "stillborn", "timeout", "passed", "alarm"]
 
 
 class Mutant(Record):
@@ -23,8 +23,8 @@ class Mutant(Record):
         before, after: the text that was replaced, and by what.
         words: what the change is, in a few words.
         outcome: `caught` where the gate failed, `survived` where it passed, `stillborn` where
-            nothing was drawn (it does not compile, raises, or takes too long); of a control
-            `passed` or `alarm`.
+            nothing was drawn (it does not compile, raises or crashes), `timeout` where the gate
+            ran out of time; of a control `passed` or `alarm`.
         exit_code: of the gate; -1 where it ran out of time.
         by: the row or check that failed worst and its figure, or the message of what is stillborn.
         seconds: of the whole process.
@@ -74,9 +74,14 @@ class Attack(Record):
         return [m for m in self.having("survived") if not m.equivalent]
 
     @property
+    def alarms(self) -> list[Mutant]:
+        """Controls that the gate did not pass."""
+        return [m for m in self.mutants if m.kind == "control" and m.outcome != "passed"]
+
+    @property
     def passed(self) -> bool:
-        """Whether all was caught that a user could see, and no control raised an alarm."""
-        return not self.unexplained and not self.having("alarm")
+        """Whether all was caught that a user could see, and every control was passed."""
+        return not self.unexplained and not self.alarms
 
 
 def save_attack(attack: Attack, path: Path) -> None:

@@ -14,15 +14,20 @@ def print_attack(found: Attack, console: Console) -> None:
     for kind, name in NAMES.items():
         if own := [m for m in found.mutants if m.kind == kind]:
             console.print(f"{name}: {score(own)}", soft_wrap=True)
-    for mutant in found.having("alarm", "survived"):
+    for mutant in [*found.alarms, *found.having("survived")]:
         mark = "yellow" if mutant.equivalent else "red"
         told = mutant.equivalent or mutant.by or "nobody has said why it does not matter"
         console.print(f"[{mark}]{mutant.outcome}[/]: {mutant.id}", soft_wrap=True)
         for line in (f"- {mutant.before.strip()}", f"+ {mutant.after.strip()}", told):
             console.print(f"    {line}", markup=False, soft_wrap=True)
     word = "[green bold]PASS[/]" if found.passed else "[red bold]FAIL[/]"
-    missed, alarms = len(found.unexplained), len(found.having("alarm"))
+    missed, alarms = len(found.unexplained), len(found.alarms)
     console.print(f"{word}: {missed} bugs missed that could be seen, {alarms} false alarms")
+
+
+def told(mutant: Mutant) -> str:
+    """A line about one verdict: its outcome, and the first reason."""
+    return f"{mutant.outcome}: {mutant.id} {mutant.by.partition('; ')[0]}".rstrip()
 
 
 def score(mutants: list[Mutant]) -> str:

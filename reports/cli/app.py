@@ -15,6 +15,9 @@ app = typer.Typer(
 # A file or a pipe has no width of its own; 160 columns hold five weights.
 console = Console(highlight=False, width=None if sys.stdout.isatty() else 160)
 
+# What is told of a command that is interrupted; one that keeps other things says so itself.
+when_interrupted = ["finished batches are kept, run again to go on"]
+
 
 def _say_version(asked: bool) -> None:
     if asked:

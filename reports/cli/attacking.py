@@ -9,9 +9,10 @@ from typing import Annotated, Literal
 
 import typer
 
-from reports.cli.app import app, console
-from reports.cli.options import OUT, OutOption
+from reports.cli.app import app, console, when_interrupted
+from reports.cli.options import OUT
 from scenes.errors import InputError
+from scenes.words import nearest
 
 COUNT, SEED = 60, 5
 
@@ -21,7 +22,13 @@ def attack(
     suite: Annotated[
         str, typer.Option(help="A suite whose references come with the code, or are in --store.")
     ] = "guard",
-    out: OutOption = OUT,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help=f"Where attack.json and its page go, {OUT} by default; with --only or --kind "
+            "nothing is written without it.",
+        ),
+    ] = None,
     store: Annotated[
         Path | None, typer.Option(help="References; without it, those that come with the code.")
     ] = None,
@@ -29,45 +36,78 @@ def attack(
     everything: Annotated[bool, typer.Option("--all", help="Every mutant by rule: hours.")] = False,
     seed: Annotated[int, typer.Option(help="Of the choice among mutants by rule.")] = SEED,
     only: Annotated[
-        str, typer.Option(help="Only changes whose name matches this, of all there are.")
+        str, typer.Option(help="Only changes whose name holds or matches this, of all there are.")
     ] = "",
     kind: Annotated[
         Literal["realistic", "rule", "control"] | None, typer.Option(help="Only changes of a kind.")
     ] = None,
     jobs: Annotated[int, typer.Option(min=1, max=16, help="Gates at a time.")] = 2,
+    list_names: Annotated[
+        bool, typer.Option("--list", help="Print the names of all changes, or of those asked for.")
+    ] = False,
 ) -> None:
     """Inject shader bugs into copies of the renderer: does the gate see them?
 
     Ends with 1 where it misses one that could be seen, or fails on a harmless rewrite.
     """
     from reports.attack.mutants import select
-    from reports.attack.results import save_attack
-    from reports.attack.table import print_attack
-    from reports.html.attack import write_page
+    from reports.attack.table import print_attack, told
     from reports.progress import reporting
-    from reports.run.attack import attack_suite, shipped
+    from reports.run.attack import attack_suite, kept_in, shipped
     from reports.run.job import make_folder
 
-    injected, generated = select(sys.maxsize if everything or only else count, seed)
-    if only:
-        injected = [i for i in injected if only in i.id or fnmatch.fnmatchcase(i.id, only)]
-    injected = [i for i in injected if kind in (None, i.kind)]
-    if not injected:
-        raise InputError("--only", only, "no change has such a name", "see attack.json for names")
-    make_folder(out, "--out")
-    command = shlex.join(["shadeproof", *sys.argv[1:]])
-    with tempfile.TemporaryDirectory() as folder, reporting(len(injected)) as progress:
+    changes, generated = select(sys.maxsize if everything or only or list_names else count, seed)
+    changes = _asked_for(changes, only, kind)
+    if list_names:
+        for change in changes:
+            typer.echo(change.id)
+        return
+    when_interrupted.append("nothing is kept")
+    if out is None and not (only or kind):
+        out = OUT
+    with tempfile.TemporaryDirectory() as folder, reporting(len(changes)) as progress:
+        references = store or shipped(suite, Path(folder))
+        kept = None
+        if out:
+            make_folder(out, "--out")
+            kept = kept_in(out, suite, store)
+            when_interrupted.append("verdicts are kept, run again to go on")
         found = attack_suite(
             suite,
-            store or shipped(suite, Path(folder)),
-            injected,
+            references,
+            changes,
             jobs,
-            progress.step,
-            command=command,
+            lambda mutant: progress.step(told(mutant)),
+            kept,
+            command=shlex.join(["shadeproof", *sys.argv[1:]]),
             seed=seed,
             generated=generated,
         )
-    save_attack(found, out / "attack.json")
     print_attack(found, console)
-    console.print(f"page: {write_page(out).resolve()}", soft_wrap=True)
+    if out:
+        _write(found, out)
+        kept.remove()
     raise typer.Exit(0 if found.passed else 1)
+
+
+def _asked_for(changes: list, only: str, kind: str | None) -> list:
+    """Those of a name and a kind; at least one."""
+    named = [c for c in changes if only in c.id or fnmatch.fnmatchcase(c.id, only)]
+    if not named and only:
+        remedy = nearest(only, [c.id for c in changes]) + "see `shadeproof attack --list`"
+        raise InputError("--only", only, "no change has such a name", remedy)
+    chosen = [c for c in named if kind in (None, c.kind)]
+    if not chosen and only:
+        remedy = f"leave out --kind, or give --kind {named[0].kind}"
+        raise InputError("--kind", str(kind), f"no change named '{only}' is of it", remedy)
+    if not chosen:
+        raise InputError("--count", "0", "leaves nothing to try", "give 1 or more")
+    return chosen
+
+
+def _write(found, out: Path) -> None:
+    from reports.attack.results import save_attack
+    from reports.html.attack import write_page
+
+    save_attack(found, out / "attack.json")
+    console.print(f"page: {write_page(out).resolve()}", soft_wrap=True)

@@ -10,7 +10,7 @@ import typer
 from pydantic import ValidationError
 from rich.console import Console
 
-from reports.cli.app import app
+from reports.cli.app import app, when_interrupted
 from scenes.errors import InputError
 from scenes.words import SEE, first_mistake
 
@@ -78,5 +78,5 @@ def _fail(text: str) -> NoReturn:
 
 
 def _interrupted() -> NoReturn:
-    print("interrupted; finished batches are kept, run again to go on", file=sys.stderr, flush=True)
+    print(f"interrupted; {when_interrupted[-1]}", file=sys.stderr, flush=True)
     os._exit(130)  # the libraries' own exit hooks would talk over this

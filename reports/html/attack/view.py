@@ -14,7 +14,7 @@ from reports.html.attack.words import plainly
 from reports.html.figures import count, seconds, slug
 from reports.html.trust import Fact, versions_of
 
-ORDER = ("alarm", "survived", "stillborn", "caught", "passed")
+ORDER = ("alarm", "survived", "timeout", "stillborn", "caught", "passed")
 BADGES = {"caught": "pass", "passed": "pass", "survived": "fail", "alarm": "fail"}
 OUTCOMES = {"alarm": "false alarm"}
 
@@ -167,6 +167,7 @@ def _parts(bugs: Sequence[MutantView]) -> list[Part]:
         ("caught", "caught", "caught"),
         ("equivalent", "equivalent: no user could see them, argued one by one", "equal"),
         ("stillborn", "stillborn: nothing drawn, refused by the compiler or the driver", "dead"),
+        ("timeout", "so slow that the gate did not end in time", "dead"),
     )
     parts = (Part(sum(v.outcome == o for v in bugs), words, kind) for o, words, kind in named)
     return [p for p in parts if p.count]
