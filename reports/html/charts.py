@@ -139,8 +139,20 @@ def line_chart(
             )
         )
     )
-    chart = (
-        alt.layer(styled, barred, marked, width=WIDTH, height=HEIGHT)
+    chart = alt.layer(styled, barred, marked, width=WIDTH, height=HEIGHT)
+    names = [", ".join([line.series, *([line.style] if len(styles) > 1 else [])]) for line in lines]
+    return Chart(
+        title=title,
+        svg=drawn(chart, title, description),
+        header=[x_axis.title, *names],
+        rows=[[x_axis.show(at), *(told(line.y[i]) for line in lines)] for i, at in enumerate(x)],
+    )
+
+
+def drawn(chart: alt.LayerChart, title: str, description: str) -> Markup:
+    """A chart in the page's type and colours, as one image with a name."""
+    styled = (
+        chart
         .configure(background="transparent", font="system-ui, sans-serif")
         .configure_axis(
             labelColor=SOFT, titleColor=INK, gridColor=LINE, domainColor=SOFT, tickColor=SOFT,
@@ -152,14 +164,7 @@ def line_chart(
         )
         .configure_view(stroke=None)
     )  # fmt: skip
-    svg = vl_convert.vegalite_to_svg(chart.to_dict())
-    names = [", ".join([line.series, *([line.style] if len(styles) > 1 else [])]) for line in lines]
-    return Chart(
-        title=title,
-        svg=_inline(svg, title, description),
-        header=[x_axis.title, *names],
-        rows=[[x_axis.show(at), *(told(line.y[i]) for line in lines)] for i, at in enumerate(x)],
-    )
+    return _inline(vl_convert.vegalite_to_svg(styled.to_dict()), title, description)
 
 
 def _values(x: Sequence[float], lines: Sequence[Line]) -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ from reports.html.attack.limits import limits_view
 from reports.html.attack.matrix import bug_matrix
 from reports.html.attack.view import attack_view, change_of
 from reports.html.attack.words import plainly
-from reports.limits.results import FalseAlarms, save_limits
+from reports.limits.results import FalseAlarms, Point, save_limits
 from tests.reports.attacks import (
     DEAD,
     EQUAL,
@@ -173,11 +173,11 @@ def test_both_signs_stand_in_one_row_and_differ_where_they_do():
     assert (row.parameter, row.plus.smallest, row.minus.smallest) == (
         "roughness", "+0.012", "−0.02",
     )  # fmt: skip
-    assert (row.noiseless, row.by) == ("+0.0096, –", "the budget")
+    assert (row.noiseless, row.by) == ("+0.0096, –", "budget")
     assert row.why == [("", up.words, "sampled@64 vs unoccluded, silver: local energy error")]
     noisy = limit(sign="-", limited_by="noise", words="ssim is .99", seen_by="")
     row = row_of(up, noisy)
-    assert row.by == "plus: the budget, minus: the reference's noise"
+    assert row.by == "+ budget, − noise"
     assert [sign for sign, _, _ in row.why] == ["plus", "minus"]
     assert row.why[1] == ("minus", "SSIM is .99", "")
     assert row_of(down).plus is None
@@ -192,14 +192,67 @@ def test_the_whole_suite_stands_before_its_techniques(page):
     assert [v.technique for v in alone.limits] == ["paper"] and not alone.single
 
 
+def curve(*points):
+    """Sizes, and how many of 100 are caught."""
+    return [Point(size=size, caught=caught, inconclusive=0, of=100) for size, caught in points]
+
+
+def test_figures_that_contradict_each_other_tell_no_limit():
+    back = curve((0.03, 90), (0.04, 70), (0.05, 100))
+    assert side_of(curve=back) == "no one limit (caught 90 of 100 at 0.03, but 70 of 100 at 0.04)"
+    shaken = curve((0.008, 90), (0.01, 88), (0.012, 95))
+    assert side_of(curve=shaken) == side_of() == "+0.012 (0.0108 to 0.0144)"
+    assert (
+        side_of(noiseless=0.02) == "no one limit (caught from 0.012, but without noise from 0.02)"
+    )
+    row = row_of(limit(noiseless=0.02))
+    assert row.plus.state == "never" and side_of(noiseless=0.012) == side_of()
+
+
+def test_long_sentences_stand_only_technique_by_technique(page):
+    words = shown_text(page)
+    said = "the budget leaves 4 % of local energy above the technique's own error"
+    assert words.count(said) == 6  # a row for each technique and parameter, both signs in one
+    assert words.index("Technique by technique") < words.index(said)
+    heads = "errorcaught from, pluscaught from, minuswithout noiselimited by"
+    assert f"{heads} roughness" in words and f"{heads}why roughness" in words
+
+
+def test_the_whole_suites_limits_are_dots_and_what_has_none_is_told():
+    plots = {p.title: plain(p.svg) for p in limits_view(full_limits()).plots}
+    assert list(plots) == ["On a scale of 0 to 1", "Relative", "Angles"]
+    assert "roughness +" in plots["On a scale of 0 to 1"] and "not even" not in plots["Angles"]
+    assert "normal tilt −" in plots["Angles"] and "hue +" in plots["Relative"]
+    assert "not even +10 %" in plots["Relative"]
+
+
 def test_a_chart_for_each_parameter_shows_how_often_it_is_caught():
-    charts = {c.title: c for c in limits_view(full_limits()).charts}
-    assert list(charts)[:3] == ["roughness", "gain", "normal tilt"] and len(charts) == 4
+    made = limits_view(full_limits()).curves
+    charts = {c.chart.title: c.chart for c in made}
+    assert list(charts) == ["roughness", "gain", "normal tilt", "hue"] and len(made) == 4
     chart = charts["roughness"]
-    assert "whole suite, plus" in chart.header and "paper, minus" in chart.header
-    column = chart.header.index("whole suite, plus")
+    assert chart.header == [
+        "error", "paper, plus", "sampled@64, plus", "paper, minus", "sampled@64, minus",
+        "whole suite, plus", "whole suite, minus",
+    ]  # fmt: skip
     row = next(r for r in chart.rows if r[0] == "0.012")
-    assert row[column] == "95"
+    assert row[chart.header.index("whole suite, plus")] == "95"
+
+
+def test_no_line_lies_over_another_and_what_is_never_caught_is_told():
+    flat = curve((0.05, 0), (0.1, 0))
+    found = [limit(), limit(technique="paper"), limit(technique="b", smallest=None, curve=flat)]
+    (shown,) = limits_view(full_limits(limits=found)).curves
+    assert shown.chart.header == ["error", "paper"]
+    assert shown.said == [
+        "The whole suite: plus as paper.", "Never caught: b, plus (up to 0.1).",
+    ]  # fmt: skip
+
+
+def test_more_techniques_than_colours_take_another_chart():
+    found = [limit(technique=f"t{k}", smallest=0.01 * (k + 1)) for k in range(5)]
+    headers = [c.chart.header for c in limits_view(full_limits(limits=found)).curves]
+    assert headers == [["error", "t0", "t1", "t2", "t3"], ["error", "t4"]]
 
 
 def test_false_alarms_are_told_with_their_bound(tmp_path):
@@ -210,11 +263,27 @@ def test_false_alarms_are_told_with_their_bound(tmp_path):
     cried = FalseAlarms(what="x", sets=300, alarms=1, inconclusive=0, low=0.0001, high=0.018)
     found = full_limits(limits=[], false_alarms=[cried])
     page = page_of(tmp_path, limits=found)
-    assert page.text["h1"] == "False alarms: 1 in 300 judgements of x"
-    assert "0.01 % to 1.80 %" in shown_text(page)
+    assert page.text["h1"] == (
+        "The gate ends with 1 in 1 of 300 judgements of what is right: "
+        "1 false alarm, 0 inconclusive"
+    )
     both = page_of(tmp_path, full_attack(mutants=[mutant()]), found)
     assert both.text["h1"] == "The gate catches 1 of 1 injected bugs. " + page.text["h1"]
     assert [a["class"] for t, a in both.elements if t == "h1"] == ["verdict fail"]
+
+
+def test_what_is_inconclusive_ends_the_gate_with_1_too(tmp_path):
+    unsure = FalseAlarms(what="x", sets=300, alarms=2, inconclusive=34, low=0.001, high=0.02)
+    page = page_of(tmp_path, limits=full_limits(limits=[], false_alarms=[unsure]))
+    assert page.text["h1"] == (
+        "The gate ends with 1 in 36 of 300 judgements of what is right: "
+        "2 false alarms, 34 inconclusive"
+    )
+    assert [a["class"] for t, a in page.elements if t == "h1"] == ["verdict fail"]
+    assert "x300 times23436 of 3008.55 % to 16.2 %" in shown_text(page)
+    never = unsure.model_copy(update={"alarms": 0})
+    alone = limits_view(full_limits(limits=[], false_alarms=[never]))
+    assert alone.state == "fail" and "0 false alarms, 34 inconclusive" in alone.sentence
 
 
 def test_no_figure_reads_nan(page):

@@ -3,26 +3,37 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
+from scipy.stats import fisher_exact
+
+from reports.html.attack.curves import SIGNS, Curves, Plot, curves, plots
 from reports.html.attack.words import plainly
-from reports.html.charts import SERIES_COLOURS, Axis, Chart, Line, line_chart
-from reports.html.figures import GAP, NONE, digits, percent, seconds
-from reports.html.logaxis import LogAxis
+from reports.html.figures import GAP, NONE, count, digits, percent, seconds
 from reports.html.trust import Fact, versions_of
+from reports.limits.detection import share_interval
 from reports.limits.results import EVERY, FalseAlarms, Limit, Limits
-
-WHOLE = "whole suite"
-SIGNS = {"+": "plus", "-": "minus"}
-BY = {"budget": "the budget", "noise": "the reference's noise"}
 
 
 @dataclass(frozen=True)
 class SideView:
-    """The limit of one sign of an error, as text; `state` is "never" where it is out of reach."""
+    """The limit of one sign of an error, as text.
+
+    `state` is "never" where it is out of reach, or where the figures tell of no one limit.
+    """
 
     smallest: str
     ends: str
     state: str
+
+
+@dataclass(frozen=True)
+class AlarmView:
+    """How often what is right ended the gate with 1: it failed a row, or could not decide one."""
+
+    alarms: FalseAlarms
+    ended: str
+    share: str
 
 
 @dataclass(frozen=True)
@@ -44,13 +55,14 @@ class LimitView:
 
 @dataclass(frozen=True)
 class LimitsView:
-    """The whole section; `limits` and `charts` of the whole suite, then technique by technique."""
+    """The whole section; `limits` and `plots` of the whole suite, then technique by technique."""
 
     sentence: str
     limits: list[LimitView]
     single: list[LimitView]
-    charts: list[Chart]
-    alarms: list[tuple[FalseAlarms, str]]
+    plots: list[Plot]
+    curves: list[Curves]
+    alarms: list[AlarmView]
     state: str
     facts: list[Fact]
     command: str
@@ -63,9 +75,10 @@ def limits_view(found: Limits) -> LimitsView:
         sentence=_sentence(found.false_alarms),
         limits=_rows(whole),
         single=_rows([x for x in found.limits if x not in whole]),
-        charts=_charts(found.limits),
-        alarms=[(a, _interval(a)) for a in found.false_alarms],
-        state="fail" if any(a.alarms for a in found.false_alarms) else "pass",
+        plots=plots(whole, _without_dot, size),
+        curves=curves(found.limits, size),
+        alarms=[_alarms(a) for a in found.false_alarms],
+        state="fail" if any(map(_ended, found.false_alarms)) else "pass",
         facts=[
             Fact("Judged by", f"the gate, on the suite {found.suite}"),
             Fact("Batches", f"drawn without replacement from {found.pool} of each reference"),
@@ -96,9 +109,9 @@ def _rows(limits: Sequence[Limit]) -> list[LimitView]:
 def _row(own: Sequence[Limit]) -> LimitView:
     sides = {found.sign: _side(found) for found in own}
     first, kinds = own[0], dict.fromkeys(found.limited_by for found in own)
-    by = BY[first.limited_by]
+    by = first.limited_by
     if len(kinds) > 1:
-        by = ", ".join(f"{SIGNS[found.sign]}: {BY[found.limited_by]}" for found in own)
+        by = ", ".join(f"{_sign(found)} {found.limited_by}" for found in own)
     return LimitView(
         parameter=first.parameter,
         technique="" if first.technique == EVERY else first.technique,
@@ -122,6 +135,8 @@ def _side(found: Limit) -> SideView:
     shown = size(most if found.smallest is None else found.smallest, found.unit, _sign(found))
     if found.smallest is None:
         return SideView(f"not even {shown}" if most == most else "not measured", "", "never")
+    if why := contradiction(found):
+        return SideView("no one limit", why, "never")
     low, high = size(found.low, found.unit), size(found.high, found.unit)
     ends = f"{low} to {high}"
     if found.high is None:
@@ -131,6 +146,29 @@ def _side(found: Limit) -> SideView:
     return SideView(shown, ends, "")
 
 
+def _without_dot(found: Limit) -> str:
+    side = _side(found)
+    return side.smallest if side.state else ""
+
+
+def contradiction(found: Limit) -> str:
+    """What makes its figures tell of no one limit; empty where they do.
+
+    That is a larger error that is caught less often, by more than the sets of batches explain
+    (Fisher's exact test at 5 %), or a limit below the size from which a reference without noise
+    would tell.
+    """
+    for less, more in pairwise(found.curve):
+        missed = [[p.caught, p.of - p.caught] for p in (less, more)]
+        if less.caught * more.of > more.caught * less.of and fisher_exact(missed).pvalue < 0.05:
+            told = (f"{p.caught} of {p.of} at {size(p.size, found.unit)}" for p in (less, more))
+            return f"caught {', but '.join(told)}"
+    if None not in (found.smallest, found.noiseless) and found.smallest < found.noiseless:
+        told, bare = (size(s, found.unit) for s in (found.smallest, found.noiseless))
+        return f"caught from {told}, but without noise from {bare}"
+    return ""
+
+
 def _sign(found: Limit) -> str:
     return "+" if found.sign == "+" else "−"
 
@@ -138,49 +176,24 @@ def _sign(found: Limit) -> str:
 def _sentence(alarms: Sequence[FalseAlarms]) -> str:
     if not alarms:
         return "False alarms were not measured"
-    cried = [f"{a.alarms} in {a.sets} judgements of {a.what}" for a in alarms if a.alarms]
-    if cried:
-        return f"False alarms: {', '.join(cried)}"
+    sets, cried = sum(a.sets for a in alarms), sum(a.alarms for a in alarms)
+    if ended := sum(map(_ended, alarms)):
+        return (
+            f"The gate ends with 1 in {count(ended)} of {count(sets)} judgements of what is right: "
+            f"{count(cried)} false alarm{'s' * (cried != 1)}, {count(ended - cried)} inconclusive"
+        )
     worst = max(alarms, key=lambda a: a.high)
     return (
-        f"No false alarms in {sum(a.sets for a in alarms)} judgements of what is right "
+        f"No false alarms in {count(sets)} judgements of what is right "
         f"(95 % interval: up to {percent(worst.high)} of those of {worst.what})"
     )
 
 
-def _interval(alarms: FalseAlarms) -> str:
-    return f"{percent(alarms.low)} to {percent(alarms.high)}"
+def _alarms(found: FalseAlarms) -> AlarmView:
+    ends = map(percent, share_interval(_ended(found), found.sets))
+    return AlarmView(found, f"{_ended(found)} of {found.sets}", " to ".join(ends))
 
 
-def _charts(limits: Sequence[Limit]) -> list[Chart]:
-    """By parameter, the share that is caught over the size of the error."""
-    groups: dict[str, list[Limit]] = {}
-    for found in limits:
-        if found.curve:
-            groups.setdefault(found.parameter, []).append(found)
-    return [_chart(group) for group in groups.values()]
-
-
-def _chart(group: Sequence[Limit]) -> Chart:
-    """A line for each technique and sign, of as many techniques as there are colours."""
-    group = sorted(group, key=lambda found: found.technique != EVERY)
-    techniques = list(dict.fromkeys(found.technique for found in group))[: len(SERIES_COLOURS)]
-    group = [found for found in group if found.technique in techniques]
-    unit = group[0].unit
-    x = sorted({p.size for found in group for p in found.curve})
-    lines = []
-    for found in group:
-        at = {p.size: 100 * p.caught / p.of for p in found.curve if p.of}
-        name = WHOLE if found.technique == EVERY else found.technique
-        lines.append(Line(name, SIGNS[found.sign], [at.get(s, math.nan) for s in x]))
-    axis = LogAxis.around(x)
-    return line_chart(
-        group[0].parameter,
-        f"How often of 100 times the gate fails, from {size(x[0], unit)} to {size(x[-1], unit)}.",
-        Axis("error", (axis.low, axis.high), axis.ticks(), lambda v: size(v, unit), log=True),
-        Axis("caught of 100", (0, 100), (0, 50, 95)),
-        x,
-        lines,
-        series_title=None,
-        told=digits,
-    )
+def _ended(found: FalseAlarms) -> int:
+    """How often the gate ended with 1: what is inconclusive passes no more than what fails."""
+    return found.alarms + found.inconclusive
