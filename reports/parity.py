@@ -19,10 +19,6 @@ from scenes.schema import Case
 SILHOUETTE = 0.98  # IoU of masks at pixel centres; the rim of a 10,000-pixel disc is 4 % of it
 TIES = 4  # pixels that rays and rasterisation may round apart, however small the object
 BACKGROUND = 0.01  # median relative difference of the environment behind the objects
-EDGES = 0.15  # median difference of coverage at the objects' rims
-PARTIAL = 0.2  # of a pixel: where less lies to one side, any filter is about right
-CONTRAST = 0.3  # of the brighter side; below, coverage cannot be told
-ENOUGH = 30  # pixels of a rim
 
 
 @dataclass
@@ -37,25 +33,13 @@ class Checks:
     judged: bool = True
     silhouettes: list[tuple[float, float, str]] = field(default_factory=list)
     backgrounds: list[tuple[float, str]] = field(default_factory=list)
-    edges: list[tuple[float, str]] = field(default_factory=list)
     shaders: list[Agreement] = field(default_factory=list)
     definitions: list[Conformance] = field(default_factory=list)
 
     def add_frame(
-        self,
-        case: Case,
-        technique: str,
-        frame: Frame,
-        truth: Frame,
-        rows: list[Row],
-        antialiased: bool,
+        self, case: Case, technique: str, frame: Frame, truth: Frame, rows: list[Row]
     ) -> None:
-        """Take in one frame beside one truth of its case, and its rows.
-
-        Args:
-            antialiased: whether the frame is box-filtered, as the truth is, which must be without
-                occlusion then, so that nothing but the filter tells the rims apart.
-        """
+        """Take in one frame beside one truth of its case, and its rows."""
         if frame.rgb.shape != truth.rgb.shape:
             return
         self.silhouettes += [
@@ -63,8 +47,6 @@ class Checks:
             for r in rows
             if r.silhouette >= 0
         ]
-        if antialiased and (off := _edges(frame, truth)) is not None:
-            self.edges.append((off, f"{technique} in {case.id}"))
         sky = ndimage.binary_erosion(truth.ids == 0, iterations=5)
         if sky.sum() > 100:
             # Over 4x4 pixels: where things are, not how each side filters fine texels.
@@ -82,10 +64,6 @@ class Checks:
             passed = all(o >= SILHOUETTE or apart <= TIES for o, apart, _ in self.silhouettes)
             detail = f"masks overlap by {worst:.2%} at worst ({place})"
             made.append(_verdict("silhouettes", passed, detail))
-        if self.edges:
-            worst, place = max(self.edges)
-            detail = f"median difference of coverage {worst:.2g} at worst ({place})"
-            made.append(_verdict("edges", worst <= EDGES, detail))
         if self.backgrounds:
             worst, place = max(self.backgrounds)
             detail = f"median difference {worst:.2%} at worst ({place})"
@@ -101,28 +79,6 @@ class Checks:
             detail = f"off by {d.off:.1e} at worst ({d.place}; allowed {d.allowed:.0e})"
             made.append(_verdict(d.name, d.passed, detail))
         return [check | {"judged": self.judged} for check in made]
-
-
-def _edges(frame: Frame, truth: Frame) -> float | None:
-    """The median difference of coverage at the rims of objects; None where there are too few.
-
-    Coverage is where a pixel lies between the darkest and the brightest around it, in its own
-    picture: so shading has next to no say.
-    """
-    ours, theirs = (_coverage(f.rgb.mean(axis=2, dtype=float)) for f in (frame, truth))
-    rim = (ndimage.minimum_filter(truth.ids, 3) == 0) & (ndimage.maximum_filter(truth.ids, 3) > 0)
-    # Where the truth is neither side nearly whole: 4 samples err there by a tenth, one by a third.
-    rim &= (theirs > PARTIAL) & (theirs < 1 - PARTIAL) & ~np.isnan(ours)
-    if rim.sum() < ENOUGH:
-        return None
-    return float(np.median(np.abs(ours - theirs)[rim]))
-
-
-def _coverage(light: np.ndarray) -> np.ndarray:
-    """(H, W), from 0 to 1; NaN where there is too little contrast to tell."""
-    low, high = (f(light, 3) for f in (ndimage.minimum_filter, ndimage.maximum_filter))
-    told = high - low > CONTRAST * high
-    return np.divide(light - low, high - low, out=np.full_like(light, np.nan), where=told)
 
 
 def _verdict(name: str, passed: bool, detail: str) -> dict[str, Any]:

@@ -82,8 +82,7 @@ def run_entry(
     for label, frame in frames.items():
         for name in entry.truths:
             own = [r for r in rows if (r.technique, r.truth) == (label, name)]
-            filtered = name == "unoccluded" and _antialiased(job, label)
-            checks.add_frame(case, label, frame, _mean(truths[name]), own, filtered)
+            checks.add_frame(case, label, frame, _mean(truths[name]), own)
     candidates = {}
     for label, frame in frames.items():
         candidates[label] = f"frames/{case.id}/{label}.exr"
@@ -105,12 +104,6 @@ def _mean(batches: list[Frame]) -> Frame:
     """All batches as one frame, with the ids of the first."""
     mean = np.mean([b.rgb for b in batches], axis=0, dtype=np.float64)
     return Frame(mean.astype(np.float32), batches[0].ids)
-
-
-def _antialiased(job: Job, label: str) -> bool:
-    """Whether a technique filters its pixels; of an outside candidate nobody knows."""
-    # By its name, not by what the renderer says of it: that may be what is wrong.
-    return not job.outside and not label.endswith("-noaa")
 
 
 def _about(row: Row) -> tuple[str, str]:

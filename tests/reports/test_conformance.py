@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from renderer.features import technique
 from reports import gate, parity
 from reports.conformance.kernels import cumulated, lambert, reflected
 from reports.conformance.light import Light
@@ -12,9 +13,9 @@ from reports.conformance.result import Conformance
 from reports.conformance.split_sum import scale_bias, smith
 from reports.conformance.textures import bilinear
 from reports.run.conformance import conformance
+from reports.run.conformance.geometry import of_edges
 from reports.run.conformance.shared import ALLOWED
 from reports.stability import oracle
-from scenes.frame import Frame
 from scenes.suite import expand, load_suite
 from tests.reports.pages import results, row
 
@@ -90,24 +91,14 @@ def test_the_gate_fails_on_a_check_that_fails_unless_it_is_only_told(judged):
     assert ("tables" in "; ".join(run.reasons)) == judged
 
 
-def _disc(samples: int) -> Frame:
-    """A disc, 60 pixels wide, with `samples` coverage samples a pixel and axis."""
-    fine = (np.arange(80 * samples) + 0.5) / samples - 40.3
-    inside = np.hypot(*np.meshgrid(fine, fine)) < 30
-    cover = inside.reshape(80, samples, 80, samples).mean(axis=(1, 3))
-    rgb = np.repeat(cover[..., None], 3, 2).astype(np.float32) * 5 + 0.1
-    return Frame(rgb, (cover > 0.5).astype(np.uint8))
-
-
-@pytest.mark.parametrize(("samples", "passed"), [(2, True), (1, False)])
-def test_edges_tell_a_box_filter_from_none_whatever_the_shading(samples, passed):
-    frame = _disc(samples)
-    frame = replace(frame, rgb=frame.rgb * np.float32(1.7))
-    (case,) = (e.case for e in expand(*load_suite("guard"))[:1])
-    made = parity.Checks()
-    made.add_frame(case, "paper", frame, _disc(16), [], antialiased=True)
-    (edges,) = (v for v in made.verdicts() if v["name"] == "edges")
-    assert edges["passed"] == passed
+@pytest.mark.parametrize(("msaa", "passed"), [(4, True), (0, False)])
+@pytest.mark.parametrize("name", ["paper", "sampled@64"])
+@pytest.mark.parametrize("number", [0, 2, 3])
+def test_edges_tell_a_box_filter_from_none(monkeypatch, name, number, msaa, passed):
+    case = expand(*load_suite("guard"))[number].case
+    how = replace(technique(name), msaa=msaa)
+    monkeypatch.setattr("reports.run.conformance.geometry.technique", lambda _name: how)
+    assert of_edges(case, name).passed == passed
 
 
 def test_the_masks_of_a_small_object_may_differ_by_ties():

@@ -8,9 +8,9 @@ from renderer.features import technique
 from renderer.precompute import precomputed
 from reports.conformance.light import Light
 from reports.conformance.result import Conformance
-from reports.run.conformance.geometry import of_normals
+from reports.run.conformance.geometry import of_edges, of_normals
 from reports.run.conformance.light import of_light
-from reports.run.conformance.maps import of_maps, of_mirror
+from reports.run.conformance.maps import of_maps, of_mirror, of_sizes
 from reports.run.conformance.samples import of_samples
 from reports.run.conformance.shading import of_horizon, of_split_sum
 from reports.run.conformance.tables import of_own_table, of_table
@@ -21,7 +21,9 @@ from scenes.suite import Entry
 
 def conformance(entries: Iterable[Entry]) -> list[Conformance]:
     """The worst differences of each kind, over what the techniques of some entries use."""
-    found: list[Conformance] = []
+    entries = list(entries)
+    edges = [of_edges(e.case, name) for e in entries for name in e.techniques]
+    found = [e for e in edges if e]
     used = [
         (e.case, o.material, technique(name))
         for e in entries
@@ -39,6 +41,7 @@ def conformance(entries: Iterable[Entry]) -> list[Conformance]:
     for path in {e.path for e in read}:
         names = set().union(*(maps for e, maps in read.items() if e.path == path))
         precomputed(path).need(sorted(names))
+        found += of_sizes(precomputed(path), names)
         found += of_maps(
             precomputed(path), Light(load_environment(path).radiance), names, path.stem
         )

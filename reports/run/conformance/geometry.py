@@ -1,8 +1,13 @@
-"""Normals, from the mesh to the pixel."""
+"""From the mesh to the pixel: normals, and the filter at edges."""
+
+from dataclasses import replace
 
 import numpy as np
+from scipy import ndimage
 
 from renderer.context import context
+from renderer.draw import Renderer
+from renderer.features import technique
 from renderer.objects import placed
 from renderer.program import program, set_uniforms
 from renderer.targets import release
@@ -11,6 +16,43 @@ from reports.conformance.result import Conformance
 from reports.run.conformance.shared import filled, measured, relative
 from scenes.mesh import placement
 from scenes.schema import Case
+
+SMALL = 96  # pixels that edges are looked at with, of the picture's larger side
+FINE = 4  # times as many, each way, are box-filtered by hand
+DIRECTIONS = 1024  # at least, of a technique that samples: its noise is no edge
+CONTRAST = 0.3  # around a pixel, of the brightest; below, an edge cannot be told
+ENOUGH = 30  # pixels of edges
+
+
+def of_edges(case: Case, name: str) -> Conformance | None:
+    """How far a small picture is from 4x4 times its pixels averaged, at the edges of objects.
+
+    The median, as a share of what a picture without a filter is off. None where there are too few
+    edges, or for a technique that by its name does not filter: what it says of itself may be what
+    is wrong.
+    """
+    how = technique(name)
+    if name.endswith("-noaa"):
+        return None
+    scale = SMALL / max(case.width, case.height)
+    width, height = (max(round(side * scale), 1) for side in (case.width, case.height))
+    small = case.model_copy(update={"width": width, "height": height})
+    if how.samples:
+        how = replace(how, samples=max(how.samples, DIRECTIONS))
+    ways = how, replace(how, supersample=FINE, msaa=0), replace(how, msaa=0)
+    frames = [Renderer(way, repeats=0).render(small) for way in ways]
+    ours, theirs, without = (f.rgb.mean(axis=2, dtype=float) for f in frames)
+    low, high = ndimage.minimum_filter(theirs, 3), ndimage.maximum_filter(theirs, 3)
+    ids = frames[0].ids
+    edge = (ndimage.minimum_filter(ids, 3) == 0) & (ndimage.maximum_filter(ids, 3) > 0)
+    edge &= high - low > CONTRAST * high
+    # Where a pixel is nearly wholly of one side any filter is about right.
+    edge &= np.minimum(theirs - low, high - theirs) > 0.2 * (high - low)
+    if edge.sum() < ENOUGH:
+        return None
+    contrast = (high - low)[edge]
+    left, unfiltered = (np.median(np.abs(x - theirs)[edge] / contrast) for x in (ours, without))
+    return measured("edges", left / max(unfiltered, 1e-30), f"{name} in {case.id}")
 
 
 def of_normals(case: Case) -> Conformance:

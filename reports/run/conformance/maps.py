@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from renderer.precompute import BASE, Precomputed, precomputed
-from renderer.precompute.prefilter import LEVELS, SAMPLES, SIZE
+from renderer.precompute import BASE, Precomputed, precomputed, prefilter
 from renderer.program import bind_maps, program, set_uniforms
+from reports.conformance import documented
 from reports.conformance.kernels import lambert, reflected
 from reports.conformance.light import Light, direction
 from reports.conformance.result import Conformance
@@ -31,12 +31,12 @@ def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> 
         off = relative(texels[rows, columns, :3], E)
         found.append(measured("irradiance map", off, place_of))
     wanted = sorted(n for n in names if n.startswith("prefiltered"))
-    for level in range(LEVELS) if wanted else ():
-        alpha = max((level / (LEVELS - 1)) ** 2, ALPHA_MIN)
+    for level in range(prefilter.LEVELS) if wanted else ():
+        alpha = max((level / (prefilter.LEVELS - 1)) ** 2, ALPHA_MIN)
         levels = {n: texels_of(maps[n], level) for n in wanted}
         rows, columns, axes = _some(next(iter(levels.values())), light)
         if level == 0:
-            theirs = _mirrored(levels_of(maps), light, axes, SIZE)
+            theirs = _mirrored(levels_of(maps), light, axes, prefilter.SIZE)
             for name, texels in levels.items():
                 mean = texels[rows, columns, :3] / texels[rows, columns, 3:]
                 found.append(
@@ -51,6 +51,18 @@ def of_maps(made: Precomputed, light: Light, names: set[str], place_of: str) -> 
             found.append(measured("prefiltered maps", off - QUIETER * noise, place))
             off = relative(ours[:, 3], theirs[1])
             found.append(measured("prefiltered weights", off, place))
+    return found
+
+
+def of_sizes(made: Precomputed, names: set[str]) -> list[Conformance]:
+    """How many of a map's width, height and levels are not what the technique is said to take."""
+    found = []
+    for name in sorted(names & documented.SIZES.keys()):
+        size, wanted = [made.maps[name].width, made.maps[name].height], [*documented.SIZES[name]]
+        if name.startswith("prefiltered"):
+            size, wanted = [*size, prefilter.LEVELS], [*wanted, documented.LEVELS]
+        other = sum(a != b for a, b in zip(size, wanted, strict=True))
+        found.append(measured("sizes of maps", other, f"{name}, {'x'.join(map(str, size))}"))
     return found
 
 
@@ -88,7 +100,7 @@ def _sampled_off(
     The map's own samples are regular and filtered, so that they do better.
     """
     size = np.sqrt((sums**2).mean())
-    spread = np.sqrt(np.maximum(squares - sums**2, 0).mean() / SAMPLES)
+    spread = np.sqrt(np.maximum(squares - sums**2, 0).mean() / documented.POINTS)
     return relative(ours[:, :3], sums), float(spread / max(size, 1e-30))
 
 
