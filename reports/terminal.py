@@ -1,4 +1,4 @@
-"""What the terminal shows: materials down, weights across."""
+"""What the terminal shows: materials down, weights across, or a list of both."""
 
 import math
 
@@ -10,30 +10,40 @@ from rich.text import Text
 from reports.furnace import MASKINGS, Departure, EnergyClaim, Quantity
 from reports.gate import headline, worst_first
 from reports.results import Ladder, Results, Row
+from reports.telling import crossed
 
 STYLE = {"pass": "green", "fail": "red", "inconclusive": "yellow", "reported": "dim"}
 
 
 def print_results(results: Results, console: Console) -> None:
-    """One table: materials down, weights across.
+    """One table: materials down, weights across; of objects with a weight each a list.
 
     A section holds one scene, environment, technique and truth; cases that differ by what was
     swept share it.
     """
-    weights = sorted({r.weight for r in results.rows}, reverse=True)
     table = Table(box=box.SIMPLE_HEAD, title=f"{results.suite}: {results.description}")
     table.add_column("material")
-    for weight in weights:
-        table.add_column(f"weight {weight:g}", justify="right")
     sections: dict[str, list[Row]] = {}
     for row in results.rows:
         heading = f"{row.scene}.{row.environment}: {row.technique} against {row.truth}"
         sections.setdefault(heading, []).append(row)
-    for heading, rows in sections.items():
+    told = {heading: _lines(rows) for heading, rows in sections.items()}
+    grid = crossed(
+        (f"{heading} {label}", row.weight)
+        for heading, lines in told.items() for label, line in lines.items() for row in line
+    )  # fmt: skip
+    weights = sorted({r.weight for r in results.rows}, reverse=True) if grid else []
+    for title in [f"weight {weight:g}" for weight in weights] or ["weight", "figures"]:
+        table.add_column(title, justify="right")
+    for heading, lines in told.items():
         table.add_row(Text(heading, style="bold"))
-        for label, line in _lines(rows).items():
+        for label, line in lines.items():
             cells = {row.weight: _cell(row) for row in line}
-            table.add_row(f"  {label}", *(cells.get(weight, "") for weight in weights))
+            if grid:
+                table.add_row(f"  {label}", *(cells.get(weight, "") for weight in weights))
+            else:
+                for weight in sorted(cells, reverse=True):
+                    table.add_row(f"  {label}", f"{weight:g}", cells[weight])
         table.add_section()
     console.print(table)
     console.print(

@@ -1,4 +1,7 @@
-"""The matrices on the first screen: material down, weight across, one figure a cell."""
+"""The matrices on the first screen: material down, weight across, one figure a cell.
+
+Where most cells would be empty they are lists: a material and a weight a line.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -7,6 +10,7 @@ from reports.gate import LOWER, worst_first
 from reports.html.figures import METRICS, Metric, slug
 from reports.html.verdict import subject
 from reports.results import Row
+from reports.telling import crossed
 
 SHOWN = ("energy_local", "energy_error", "ssim")
 
@@ -37,30 +41,46 @@ class Cell:
 
 
 @dataclass(frozen=True)
+class Line:
+    """The cells of a material by weight; in a list one cell, and its weight."""
+
+    material: str
+    weight: str
+    cells: list[Cell | None]
+
+
+@dataclass(frozen=True)
 class Matrix:
-    """One figure over material and weight for one technique and truth."""
+    """One figure over material and weight for one technique and truth; a list has no `weights`."""
 
     metric: str
     technique: str
     truth: str
     weights: list[str]
-    lines: list[tuple[str, list[Cell | None]]]
+    lines: list[Line]
 
 
 def matrices(rows: list[Row]) -> list[Matrix]:
     """One matrix for each shown figure, technique and truth, in the order of the rows."""
     pairs = dict.fromkeys((r.technique, r.truth) for r in rows)
-    materials = {label_of(r, rows): None for r in rows}
-    weights = sorted({r.weight for r in rows})
     made = []
     for technique, truth in pairs:
         chosen = [r for r in rows if (r.technique, r.truth) == (technique, truth)]
+        places = dict.fromkeys((label_of(r, rows), r.weight) for r in chosen)
+        labels = dict.fromkeys(label for label, _ in places)
+        weights = sorted({w for _, w in places})
+        grid = crossed(places)
         for name in SHOWN:
-            lines = [
-                (label, [_worst_cell(METRICS[name], chosen, rows, label, w) for w in weights])
-                for label in materials
-            ]
-            made.append(Matrix(name, technique, truth, [f"{w:g}" for w in weights], lines))
+            cells = {at: _worst_cell(METRICS[name], chosen, rows, *at) for at in places}
+            if grid:
+                lines = [Line(x, "", [cells.get((x, w)) for w in weights]) for x in labels]
+            else:
+                lines = [
+                    Line(x, f"{w:g}", [cells[x, w]])
+                    for x in labels for w in weights if (x, w) in cells
+                ]  # fmt: skip
+            shown = [f"{w:g}" for w in weights] if grid else []
+            made.append(Matrix(name, technique, truth, shown, lines))
     return made
 
 
@@ -102,14 +122,12 @@ def row_id(row: Row) -> str:
 
 def _worst_cell(
     metric: Metric, chosen: list[Row], rows: list[Row], label: str, weight: float
-) -> Cell | None:
+) -> Cell:
     """The largest error of a material at a weight, in the state of what is closest to its budget.
 
-    The two can be different rows, since budgets differ by case. None where there is no row.
+    The two can be different rows, since budgets differ by case.
     """
     here = [r for r in chosen if r.weight == weight and label_of(r, rows) == label]
-    if not here:
-        return None
     ranked = worst_first(here)
     largest = min(ranked, key=lambda r: _error(metric, r))
     shown = cell(metric, largest)

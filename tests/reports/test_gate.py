@@ -209,6 +209,21 @@ def test_a_run_without_budgets_is_reported_and_fails_a_gate():
     assert "no row has a budget" in said.getvalue()
 
 
+def told_in_terminal(rows):
+    said = io.StringIO()
+    print_results(results([gate.judge(r, RULES) for r in rows]), Console(file=said, width=120))
+    return [line.split() for line in said.getvalue().splitlines()]
+
+
+def test_objects_of_a_weight_each_are_a_list_in_the_terminal():
+    rows = [row(material=m, object=m, weight=w) for m, w in (("silver", 0.2), ("gold", 0.7))]
+    told = told_in_terminal(rows)
+    assert ["material", "weight", "figures"] in told
+    assert [line[3] for line in told if line[:1] in (["silver,"], ["gold,"])] == ["0.2", "0.7"]
+    crossed = told_in_terminal([row(weight=w) for w in (0.2, 0.7)])
+    assert ["material", "weight", "0.7", "weight", "0.2"] in crossed
+
+
 def test_what_went_wrong_is_a_failure_without_budgets_too():
     gap = Missing(case="c", object="o", technique="t", truth="global")
     unjudged = gate.judge(row(), [])

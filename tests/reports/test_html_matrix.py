@@ -41,7 +41,8 @@ def eased(**figures):
 
 def local_matrix(rows):
     made = next(m for m in matrices(rows) if m.metric == "energy_local")
-    ((_, (found,)),) = made.lines
+    (line,) = made.lines
+    (found,) = line.cells
     return found
 
 
@@ -85,7 +86,7 @@ def test_matrix_starts_with_what_the_headline_names(folder, figures, name):
     (chosen,) = [a["value"] for t, a in page.elements
                  if t == "input" and a["data-axis"] == "energy" and "checked" in a]  # fmt: skip
     shown = {a["data-energy"] for t, a in page.elements
-             if t == "table" and "matrix" in a["class"] and "hidden" not in a}  # fmt: skip
+             if "data-energy" in a and "hidden" not in a}  # fmt: skip
     assert chosen == name and shown == {name, ""}
 
 
@@ -100,3 +101,36 @@ def test_an_interval_that_noise_hides_is_told(folder, batches, why):
     page = Page(written(results([hidden]), folder))
     assert words in page.text["table"]
     assert "noise hides whether" in page.text["h1"] and "SSIM budget" in page.text["h1"]
+
+
+def mixed(weights, **fields):
+    """A row for each weight, of a material of its own."""
+    return [row(object=f"m{i}", material=f"m{i}", weight=w, **fields)
+            for i, w in enumerate(weights)]  # fmt: skip
+
+
+def test_objects_of_one_weight_each_are_a_list(folder):
+    rows = mixed([0, 0.2, 0.5, 0.7])
+    made = matrices(rows)[0]
+    assert not made.weights
+    assert [(x.material, x.weight, len(x.cells)) for x in made.lines] == [
+        ("m0", "0", 1), ("m1", "0.2", 1), ("m2", "0.5", 1), ("m3", "0.7", 1),
+    ]  # fmt: skip
+    page = Page(written(results(rows), folder))
+    tables = [a["class"] for t, a in page.elements if t == "table" and "matrix" in a["class"]]
+    assert set(tables) == {"matrix listed"}
+    assert not any(a.get("class") == "empty" for _, a in page.elements)
+
+
+def test_each_technique_has_the_weights_that_it_was_tried_with():
+    both = [row(weight=w, technique="sampled") for w in (0.4, 0.45)]
+    made = {m.technique: m for m in matrices(mixed([0, 0.2, 0.5, 0.7]) + both)}
+    assert made["sampled"].weights == ["0.4", "0.45"] and not made["paper"].weights
+    assert [x.material for x in made["sampled"].lines] == ["copper"]
+
+
+def test_a_grid_that_is_mostly_full_stays_one():
+    rows = [row(material=m, object=m, weight=w) for m in "ab" for w in (0, 0.5, 1)][:-1]
+    made = matrices(rows)[0]
+    assert made.weights == ["0", "0.5", "1"]
+    assert [None in x.cells for x in made.lines] == [False, True]
