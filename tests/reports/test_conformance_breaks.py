@@ -2,10 +2,17 @@
 
 import pytest
 
+from renderer import precompute
 from renderer.features import technique
+from renderer.precompute import brdf_table, irradiance, prefilter
+from reports.conformance import documented
+from reports.conformance.light import Light
+from reports.run.conformance.maps import of_maps, of_sizes
 from reports.run.conformance.samples import of_samples
 from reports.run.stability.materials import beside_oracle
+from scenes.environment import load_environment
 from scenes.schema import Material, Model
+from scenes.suite import expand, load_suite
 
 
 @pytest.fixture(params=[0.1, 0.2, 0.5])
@@ -30,3 +37,52 @@ def test_half_of_the_diffuse_samples_density_is_missed(broken, plastic):
     assert holds()
     broken("shade_sampled.glsl", "wi.z * INV_PI", "0.5 * wi.z * INV_PI")
     assert not holds()
+
+
+@pytest.fixture
+def remade():
+    """Forget maps of other shaders, before and after."""
+
+    def forget():
+        precompute._cached.cache_clear()
+        brdf_table._made.cache_clear()
+
+    forget()
+    yield
+    forget()
+
+
+@pytest.fixture(scope="module")
+def courtyard():
+    entries = expand(*load_suite("guard"))
+    return next(e.case.environment.path for e in entries if "courtyard" in e.case.id)
+
+
+SIZES = [
+    (prefilter, "LEVELS", 5),
+    (prefilter, "SIZE", (256, 128)),
+    (irradiance, "SIZES", {"irradiance_map": (8, 8)}),
+    (brdf_table, "SIZE", (64, 64)),
+]
+
+
+@pytest.mark.parametrize(("module", "constant", "value"), SIZES, ids=lambda v: str(v)[-20:])
+def test_a_smaller_map_than_the_papers_is_seen(
+    monkeypatch, remade, courtyard, module, constant, value
+):
+    monkeypatch.setattr(module, constant, value)
+    made = precompute.precomputed(courtyard)
+    made.need(documented.SIZES)
+    assert not all(f.passed for f in of_sizes(made, set(documented.SIZES)))
+
+
+def test_fewer_points_than_the_papers_are_seen(monkeypatch, remade, courtyard):
+    """What is allowed for a map's noise is not asked of the renderer."""
+    monkeypatch.setattr(prefilter, "SAMPLES", 256)
+    made = precompute.precomputed(courtyard)
+    made.need(["prefiltered_ggx"])
+    light = Light(load_environment(courtyard).radiance)
+    found = of_maps(made, light, {"prefiltered_ggx"}, "courtyard")
+    failed = {(f.name, f.place) for f in found if not f.passed}
+    # Of the rough level nothing but the allowance tells: with that of 256 points it would pass.
+    assert ("prefiltered maps", "prefiltered_ggx, level 5, of courtyard") in failed
