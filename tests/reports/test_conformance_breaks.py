@@ -9,6 +9,7 @@ from reports.conformance import documented
 from reports.conformance.light import Light
 from reports.run.conformance.maps import of_maps, of_sizes
 from reports.run.conformance.samples import of_samples
+from reports.run.conformance.shading import of_beckmann_over_ggx
 from reports.run.stability.materials import beside_oracle
 from scenes.environment import load_environment
 from scenes.schema import Material, Model
@@ -37,6 +38,17 @@ def test_half_of_the_diffuse_samples_density_is_missed(broken, plastic):
     assert holds()
     broken("shade_sampled.glsl", "wi.z * INV_PI", "0.5 * wi.z * INV_PI")
     assert not holds()
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [("80.0", "10.0"), ("80.0", "8.0"), ("exp(-t)", "exp(-t) * 1.0002"), ("* (1.0 + t);", ";")],
+)
+def test_a_wrong_weight_of_ggx_samples_for_beckmann_is_seen(broken, right, wrong):
+    alphas = {1e-4, 0.04, 0.36, 1.0}
+    assert of_beckmann_over_ggx(alphas).passed
+    broken("beckmann_over_ggx.glsl", right, wrong)
+    assert not of_beckmann_over_ggx(alphas).passed
 
 
 @pytest.fixture

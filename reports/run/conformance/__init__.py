@@ -12,7 +12,7 @@ from reports.run.conformance.geometry import of_edges, of_normals
 from reports.run.conformance.light import of_light
 from reports.run.conformance.maps import of_maps, of_mirror, of_sizes
 from reports.run.conformance.samples import of_samples
-from reports.run.conformance.shading import of_horizon, of_split_sum
+from reports.run.conformance.shading import of_beckmann_over_ggx, of_horizon, of_split_sum
 from reports.run.conformance.tables import of_own_table, of_table
 from scenes.environment import load_environment
 from scenes.schema import Environment
@@ -45,6 +45,8 @@ def conformance(entries: Iterable[Entry]) -> list[Conformance]:
         found += of_maps(
             precomputed(path), Light(load_environment(path).radiance), names, path.stem
         )
+    if split:
+        found.append(of_beckmann_over_ggx({m.alpha for _, m, _ in split}))
     tables = {n for names in read.values() for n in names if n.startswith("table")}
     found += [of_table(precomputed(next(iter(read)).path), name) for name in sorted(tables)]
     found += [of_own_table(m) for m in {m for c, m, t in split if t.own_table(c.model)}]

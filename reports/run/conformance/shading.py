@@ -1,5 +1,7 @@
 """What shaders make of their maps, tables and terms."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from renderer.features import Technique, features
@@ -20,6 +22,8 @@ from reports.run.conformance.shared import (
     texels_of,
     uniforms_of,
 )
+from reports.stability import oracle
+from reports.stability.agreement import off_by
 from reports.stability.directions import directions
 from scenes.schema import Environment, Material, Model
 
@@ -74,6 +78,26 @@ def of_split_sum(
     theirs = split_sum(material, cosine, L[:, :3] / L[:, 3:], ab, E)
     place = f"{material.name}, roughness {material.roughness:g}, in {environment.name}"
     return measured("split sum", relative(ours, theirs), place)
+
+
+def of_beckmann_over_ggx(alphas: Collection[float]) -> Conformance:
+    """The weight by which GGX samples serve Beckmann, point by point, from n to the horizon."""
+    slope = np.concatenate([[0], np.geomspace(1e-3, 1e6, 2000), [np.inf]])  # tan over alpha
+    slope, alpha = (x.ravel() for x in np.meshgrid(slope, np.array(sorted(alphas))))
+    angle = np.arctan(slope * alpha)
+    z = np.where(np.isinf(slope), 0, np.cos(angle))
+    h = np.stack([np.sin(angle), 0 * angle, z], 1).astype(np.float32)
+    alpha = alpha.astype(np.float32)
+    ours = probe(
+        "vec4(beckmann_over_ggx(h.xyz, alpha.x))",
+        {"h": h, "alpha": alpha},
+        ("beckmann_over_ggx.glsl",),
+    )[:, 0]
+    theirs = oracle.beckmann_over_ggx(h, alpha.astype(float))
+    off = off_by(ours, theirs, theirs.max())
+    at = off.argmax()
+    place = f"tan h = {slope[at]:.3g} alpha, alpha {alpha[at]:.3g}"
+    return measured("Beckmann over GGX", off[at], place)
 
 
 def of_horizon(material: Material, model: Model) -> Conformance:

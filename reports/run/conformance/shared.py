@@ -22,6 +22,7 @@ ALLOWED = {
     "prefiltered maps": 0.02,
     "prefiltered weights": 0.01,
     "mirror's map": 0.03,
+    "Beckmann over GGX": 1e-4,
     "tables": 0.01,
     "split sum": 5e-3,
     "samples": 1e-4,
