@@ -128,7 +128,7 @@ def judge(row: Row, rules: Sequence[Budget], family: int = 1) -> Row:
     limits, reasons = budget_of(row, rules)
     confidence = sidak(FAMILY_ERROR, family)
     margins, verdicts, unsharp, deciding = {}, {}, [], []
-    notes = [*filter(None, [row.note]), *(f"budget: {r}" for r in reasons)]
+    notes = [*filter(None, [row.note]), *(f"budget: {r}" for r in dict.fromkeys(reasons))]
     for metric, limit in limits.items():
         value = getattr(row, metric)
         low, high = bounds(row, metric, confidence)

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from reports.results import Row
 
-PIXELS = re.compile(r"^covers [\d,]+ pixels, ")
+SMALL = re.compile(r"^covers [\d,]+ pixels, under ([\d,]+):")
 
 
 def crossed(places: Iterable[tuple[str, float]]) -> bool:
@@ -18,28 +18,30 @@ def crossed(places: Iterable[tuple[str, float]]) -> bool:
     return len(filled) > len(lines) and 2 * len(filled) >= len(lines) * len(weights)
 
 
-def notes_of(rows: Sequence[Row]) -> tuple[list[str], dict[int, str]]:
-    """What all of several rows note, and by place in `rows` what each notes besides.
+def notes_of(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
+    """What all of several rows note, and row by row what each notes besides.
 
-    How many pixels an object covers stands beside its note; a reason such as "as mirror" is that of
+    How many pixels an object covers is a figure of its row; a reason such as "as mirror" is that of
     the object of that name.
     """
-    noted = [_notes(row, rows) for row in rows]
+    reasons = {row.object: _reason(row.note) for row in rows}
+    noted = [_notes(row.note, reasons) for row in rows]
     shared = [n for n in noted[0] if all(n in own for own in noted)] if len(rows) > 1 else []
-    own = {i: [n for n in found if n not in shared] for i, found in enumerate(noted)}
-    return shared, {i: "; ".join(found) for i, found in own.items() if found}
+    return shared, ["; ".join(n for n in own if n not in shared) for own in noted]
 
 
-def _notes(row: Row, rows: Sequence[Row]) -> list[str]:
-    """A row's notes, each once."""
-    return list(dict.fromkeys(_resolved(n, rows) for n in row.note.split("; ") if n))
+def _notes(note: str, reasons: dict[str, str]) -> list[str]:
+    """The parts of a row's note, each once."""
+    reason = _reason(note)
+    if reason.startswith("as "):
+        reason = reasons.get(reason.removeprefix("as ")) or reason
+    told = SMALL.sub(r"covers under \1 pixels:", note).split("; ")
+    if reason:
+        told[0] = f"{told[0].split(': ', 1)[0]}: {reason}"
+    return list(dict.fromkeys(filter(None, told)))
 
 
-def _resolved(note: str, rows: Sequence[Row]) -> str:
-    """A note without what differs from object to object though its reason does not."""
-    note = PIXELS.sub("covers ", note)
-    for other in rows:
-        if note.startswith("covers ") and note.endswith(f": as {other.object}"):
-            told = PIXELS.sub("covers ", other.note.split("; ")[0])
-            return told if told.startswith("covers ") else note
-    return note
+def _reason(note: str) -> str:
+    """Why an object may be small; empty where a note does not tell."""
+    first = note.split("; ", 1)[0]
+    return first.split(": ", 1)[1] if SMALL.match(first) else ""

@@ -10,7 +10,7 @@ from rich.text import Text
 from reports.furnace import MASKINGS, Departure, EnergyClaim, Quantity
 from reports.gate import headline, worst_first
 from reports.results import Ladder, Results, Row
-from reports.telling import crossed
+from reports.telling import crossed, notes_of
 
 STYLE = {"pass": "green", "fail": "red", "inconclusive": "yellow", "reported": "dim"}
 
@@ -73,10 +73,14 @@ def print_verdict(results: Results, console: Console) -> None:
     for reason in results.reasons:
         console.print(f"  {reason}", markup=False, soft_wrap=True)
     ranked = worst_first(results.rows)
-    for row in ranked[:3]:
+    shared, own = notes_of(ranked)
+    for row, note in zip(ranked[:3], own[:3], strict=True):
         if row.verdict != "reported":
-            text = Text(f"  {describe(row)}", style=STYLE[row.verdict])
-            console.print(text, soft_wrap=True)
+            told = describe(row.model_copy(update={"note": note}))
+            console.print(Text(f"  {told}", style=STYLE[row.verdict]), soft_wrap=True)
+    if shared:
+        told = f"  every row: {'; '.join(shared)}"
+        console.print(told, style="dim", markup=False, soft_wrap=True)
     known = {(f.case, f.object, f.technique): f for f in results.ladders}
     places = dict.fromkeys((r.case, r.object, r.technique) for r in ranked)
     for found in [known[p] for p in places if p in known][:3]:

@@ -18,6 +18,7 @@ from reports.html.stability import StabilityView, stability_of
 from reports.html.trust import Fact, facts
 from reports.ladder import NAMES
 from reports.results import CaseRecord, Results, Row
+from reports.telling import notes_of
 
 VERDICTS = ("fail", "inconclusive", "pass", "reported")
 
@@ -63,12 +64,16 @@ class RowView:
     id: str
     row: Row
     material: str
+    note: str
     cells: list[columns.Shown]
 
 
 @dataclass(frozen=True)
 class CaseView:
-    """A case with its pictures and rows; `chosen` is the technique and truth shown first."""
+    """A case with its pictures and rows; `chosen` is the technique and truth shown first.
+
+    `notes` are what all rows note.
+    """
 
     id: str
     record: CaseRecord
@@ -82,6 +87,7 @@ class CaseView:
     part_meanings: dict[str, str]
     cause_maps: list[Picture]
     rows: list[RowView]
+    notes: list[str]
     missing: list[str]
 
 
@@ -177,6 +183,7 @@ def _case(results: Results, frames: CaseFrames) -> CaseView:
     pictures = case_pictures(frames)
     ladders = [found for found in results.ladders if found.case == record.id]
     shown = causes.charts(ladders)
+    shared, own = notes_of(rows)
     techniques = list(dict.fromkeys(p.technique for p in pictures if p.kind == "candidate"))
     truths = list(dict.fromkeys(p.truth for p in pictures if p.kind == "truth"))
     chosen = (rows[0].technique, rows[0].truth) if rows else (
@@ -194,7 +201,8 @@ def _case(results: Results, frames: CaseFrames) -> CaseView:
         causes=shown,
         part_meanings=causes.part_meanings(shown),
         cause_maps=cause_maps(frames, ladders),
-        rows=[_row(r, results.rows) for r in rows],
+        rows=[_row(r, results.rows, note) for r, note in zip(rows, own, strict=True)],
+        notes=shared,
         missing=[
             f"{m.object}, {m.technique} vs {m.truth}"
             for m in results.missing
@@ -203,8 +211,8 @@ def _case(results: Results, frames: CaseFrames) -> CaseView:
     )
 
 
-def _row(row: Row, rows: list[Row]) -> RowView:
-    return RowView(row_id(row), row, label_of(row, rows), columns.cells(row))
+def _row(row: Row, rows: list[Row], note: str) -> RowView:
+    return RowView(row_id(row), row, label_of(row, rows), note, columns.cells(row))
 
 
 def _counts(rows: list[Row]) -> str:
