@@ -110,6 +110,15 @@ def test_what_drew_nothing_has_one_name(page):
     assert f"{DEAD.file}:{DEAD.line} stillborn" in words and "drew nothing" not in words
 
 
+def test_what_ran_out_of_time_counts_for_nothing_and_is_told(tmp_path):
+    slow = mutant("slow", outcome="timeout", exit_code=-1)
+    cell = bug_matrix([slow], {FILES[0]: "list"}).lines[0][2][0]
+    assert (cell.text, cell.note, cell.state) == ("", "1 timeout", "reported")
+    waited = control("waited", outcome="timeout", exit_code=-1)
+    page = page_of(tmp_path, full_attack(mutants=[mutant(), waited]))
+    assert "False alarms" in shown_text(page) and "attack --only waited" in page.text["code"]
+
+
 def test_a_bug_has_its_name_and_what_it_is(tmp_path):
     bugs = [realistic("half vector", "wi - wo in its place"), mutant("x:12:swizzle:1")]
     words = shown_text(page_of(tmp_path, full_attack(mutants=bugs)))

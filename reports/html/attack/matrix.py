@@ -14,7 +14,7 @@ class Cell:
 
     Attributes:
         text: caught of those that a user could see; empty where no such bug was drawn.
-        note: what else there is: equivalent ones, and stillborn ones.
+        note: what else there is: equivalent ones, stillborn ones and timeouts.
         state: a colour class of report.css.
         label: the same in a sentence.
         href: the list that tells of each.
@@ -62,10 +62,12 @@ def _cell(file: str, rule: str, own: Sequence[Mutant], href: str) -> Cell:
     missed = sum(m.outcome == "survived" and not m.equivalent for m in own)
     equal = sum(m.outcome == "survived" and bool(m.equivalent) for m in own)
     dead = sum(m.outcome == "stillborn" for m in own)
+    slow = sum(m.outcome == "timeout" for m in own)
     seen = caught + missed
     notes = [
         *([f"{equal} equivalent"] if equal else []),
         *([f"{dead} stillborn"] if dead else []),
+        *([f"{slow} timeout"] if slow else []),
     ]
     state = (
         "over2" if missed else "within2" if caught else "within1 undecided" if equal else "reported"

@@ -100,7 +100,7 @@ def attack_view(attack: Attack) -> AttackView:
         state="pass" if attack.passed else "fail",
         parts=_parts(bugs),
         missed=[v for v in bugs if v.outcome == "survived"],
-        alarms=[v for v in controls if v.mutant.outcome == "alarm"],
+        alarms=[v for v in controls if v.mutant.outcome != "passed"],
         controls_told=_controls(controls),
         matrix=bug_matrix(attack.mutants, {f.name: f.id for f in files}),
         realistic=[v for v in bugs if v.mutant.kind == "realistic"],
