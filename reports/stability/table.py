@@ -1,13 +1,15 @@
 """What the terminal shows of the stability checks."""
 
+import math
+
 import numpy as np
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from reports.stability.results import HardCase, Map, Stability
-
-Told = list[tuple[str, np.ndarray]]
+from reports.stability.answers import Answer, Judged
+from reports.stability.promise import HARD_HOLDS
+from reports.stability.results import HardCase, Map, Promise, Stability
 
 
 def print_stability(found: Stability, console: Console) -> None:
@@ -30,9 +32,19 @@ def print_stability(found: Stability, console: Console) -> None:
     console.print(f"{held} of {len(found.hard)} hard cases hold")
     for p in found.domain:
         bounds = ", ".join(f"{n} {low:g} to {high:g}" for n, (low, high) in p.bounds.items())
-        console.print(f"{_mark(p.held)} {p.claim}: worst {p.worst:.3g}", soft_wrap=True)
+        told = promised(p, len(found.hard))
+        console.print(f"{_mark(p.held)} {p.claim}: {told}", soft_wrap=True)
         if bounds:
             console.print(f"       for {bounds}", style="dim", markup=False, soft_wrap=True)
+
+
+def promised(p: Promise, hard: int) -> str:
+    """How well a promise is held; a share of light by what it is over 1."""
+    if p.claim == HARD_HOLDS:
+        return f"{hard - int(p.worst)} of {hard}"
+    if 0 < abs(p.worst - 1) < 0.1:
+        return f"worst 1 {'+' if p.worst > 1 else '-'} {abs(p.worst - 1):.2g}"
+    return f"worst {p.worst:.3g}"
 
 
 def print_hard(cases: list[HardCase], console: Console) -> None:
@@ -43,22 +55,22 @@ def print_hard(cases: list[HardCase], console: Console) -> None:
             console.print(f"       {words}: {figure:.3g}", markup=False, soft_wrap=True)
 
 
-def print_points(texts: list[str], told: list[Told], console: Console) -> None:
-    """What each side makes of each point; of two of one function, how far apart they are."""
-    for text, sides in zip(texts, told, strict=True):
+def print_points(texts: list[str], answers: list[Answer], console: Console) -> None:
+    """What each side makes of each point, and its figures with what they may be."""
+    for text, answer in zip(texts, answers, strict=True):
         console.print(text, style="bold", markup=False, soft_wrap=True)
-        _print_sides(sides, console)
-    if len(told) == 2 and len({text.split()[0] for text in texts}) == 1:
-        first, second = (dict(sides)["GLSL"].astype(float) for sides in told)
-        console.print("the second less the first", style="bold")
-        _print_sides([("GLSL", second - first)], console)
+        width = max(len(what) for what, _ in answer.sides)
+        for what, numbers in answer.sides:
+            shown = "  ".join(f"{x:.9g}" for x in np.ravel(numbers))
+            console.print(f"  {what:{width}}  {shown}", markup=False, soft_wrap=True)
+        for f in answer.figures:
+            allowed = "no limit here" if f.limit is None else f"allowed {_range(f)}"
+            mark = _mark(f.passed, f.limit is not None or not f.passed)
+            console.print(f"{mark} {f.words}: {f.value:.6g}, {allowed}", soft_wrap=True)
 
 
-def _print_sides(sides: Told, console: Console) -> None:
-    width = max(len(what) for what, _ in sides)
-    for what, numbers in sides:
-        shown = "  ".join(f"{x:.9g}" for x in np.ravel(numbers))
-        console.print(f"  {what:{width}}  {shown}", markup=False, soft_wrap=True)
+def _range(f: Judged) -> str:
+    return f"{f.limit:g}" if f.at_least == -math.inf else f"{f.at_least:g} to {f.limit:g}"
 
 
 def _allowed(m: Map) -> str:

@@ -134,5 +134,17 @@ def test_each_pixel_counts_by_its_own_brightness():
     assert off(wrong, bright, np.zeros((4, 4), bool)) == (0, 0)
 
 
+@pytest.mark.parametrize("name", ["furnace", "mirrored-scene", "sun-1e+09-energy"])
+def test_a_renderer_that_shows_no_object_fails_the_case(monkeypatch, folder, name):
+    draw = frames._draw
+
+    def lost(*given):
+        frame = draw(*given)
+        return replace(frame, ids=np.zeros_like(frame.ids))
+
+    monkeypatch.setattr(frames, "_draw", lost)
+    assert not frames.measure(hard_cases()[name], folder).passed
+
+
 def test_an_unknown_case_is_refused_with_those_that_are_known(refused):
-    refused(lambda: frames.hard_frames(["soft"]), "--hard", "'soft'", "furnace")
+    refused(lambda: frames.hard_frames(["soft"]), "--hard", "'soft'", "--list")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reports.run.stability import NAMED, furnaces, geometry, terms
+from reports.run.stability import NAMED, furnaces, geometry, lookups, terms
 from reports.run.stability.brdf import Sweep, stock_maps
 
 
@@ -96,8 +96,8 @@ def test_light_made_or_lost_is_seen(broken, file, right, wrong, seen):
 SURROUNDINGS = [
     ("frame.glsl", "n.z >= 0.0 ? 1.0 : -1.0", "1.0", geometry.tangent_frame),
     ("latlong.glsl", "length(world.xy), world.z", "world.z, length(world.xy)", geometry.latlong),
-    ("hammersley.glsl", "0x0F0F0F0Fu", "0x0F0F0F0Eu", geometry.hammersley),
-    ("radiance.glsl", "max(size.y - 1.0, 1.0)", "(size.y - 1.0)", geometry.radiance_lod),
+    ("hammersley.glsl", "0x0F0F0F0Fu", "0x0F0F0F0Eu", terms.hammersley),
+    ("radiance.glsl", "max(size.y - 1.0, 1.0)", "(size.y - 1.0)", lookups.radiance_lod),
 ]
 
 

@@ -8,60 +8,111 @@ import pytest
 from typer.testing import CliRunner
 
 from reports.cli.main import app
-from reports.run.stability import furnaces, geometry, hard_cases, terms
-from reports.run.stability.at import evaluate
+from reports.run.stability import at, furnaces, geometry, hard_cases, hard_names, lookups, terms
+from reports.run.stability.at import evaluate, step
 from reports.run.stability.brdf import Sweep
+from reports.run.stability.sides import shader
+from reports.stability.answers import Answer
 from reports.stability.functions import FUNCTIONS
-from reports.stability.points import INTEGRALS, point
-from reports.stability.promise import promises
-from reports.stability.results import Stability
+from reports.stability.points import INTEGRALS, Point, point
+from reports.stability.promise import HARD_HOLDS, promises
+from reports.stability.results import Promise, Stability
+from reports.stability.table import promised
 
 BRDF = "brdf alpha=.01 weight=.5 masking=smith wi=0,.6,.8 wo=.6,0,.8"
 
 
-def again(command: str) -> list[dict[str, np.ndarray]]:
+def points_of(command: str) -> list[Point]:
     """What a map's command evaluates."""
     words = shlex.split(command)
     assert words[:2] == ["shadeproof", "stability"] and set(words[2::2]) == {"--at"}
-    return [dict(evaluate(point(text))) for text in words[3::2]]
+    return [point(text) for text in words[3::2]]
 
 
-def test_a_worst_difference_comes_back_by_its_command():
-    m = next(m for m in terms.ndfs() if m.function == "D_beckmann")
-    (told,) = again(m.worst.command)
-    relative = told["difference"] / np.maximum(told["float64"], 1e-300)
-    assert relative.max() == pytest.approx(m.worst.value, rel=1e-3)
+def again(command: str) -> Answer:
+    """The answer to the one point of a map's command."""
+    (one,) = points_of(command)
+    return evaluate(one)
 
 
-def test_the_worst_of_the_brdf_comes_back_with_mitsubas_answer():
-    first = next(Sweep("smith").maps())
-    (told,) = again(first.worst.command)
-    assert np.abs(told["Mitsuba"] / told["float64"] - 1).max() < 1e-4
-    worst = (told["difference"] / told["float64"]).max()
-    assert worst >= first.worst.value * 0.99  # the map's is over the peak, where f is small
+@pytest.fixture(scope="module")
+def sweep():
+    return {m.invariant: m for m in Sweep("smith").maps()}
 
 
-def test_two_points_tell_a_step():
-    m = next(m for m in Sweep("paper").maps() if m.invariant == "smooth in weight")
-    before, after = again(m.worst.command)
-    assert not np.array_equal(before["GLSL"], after["GLSL"])
+def test_the_worst_of_a_term_comes_back_by_its_command_with_its_figure():
+    for name in ("D_beckmann", "beckmann_over_ggx"):
+        m = next(m for m in terms.ndfs() if m.function == name)
+        (figure,) = again(m.worst.command).figures
+        assert figure.value == pytest.approx(m.worst.value, rel=1e-3) and figure.passed == m.passed
+    m = next(m for m in terms.samplers() if m.function == "sample_ggx")
+    (figure,) = again(m.worst.command).figures
+    assert figure.value == pytest.approx(m.worst.value, rel=1e-3)
+
+
+@pytest.mark.parametrize(("invariant", "which"), [("against float64", 0), ("against Mitsuba", 1)])
+def test_the_worst_of_the_brdf_comes_back_with_its_figure(sweep, invariant, which):
+    m = sweep[invariant]
+    answer = again(m.worst.command)
+    assert answer.figures[which].value == pytest.approx(m.worst.value, rel=1e-3)
+    assert answer.passed and {"GLSL", "float64", "Mitsuba"} <= dict(answer.sides).keys()
+
+
+@pytest.mark.parametrize("invariant", ["smooth in weight", "smooth in roughness", "reciprocal"])
+def test_two_points_tell_a_step_as_its_map_does(sweep, invariant):
+    m = sweep[invariant]
+    answer = step(*points_of(m.worst.command))
+    (figure,) = answer.figures
+    assert figure.value == pytest.approx(m.worst.value, rel=0.02) and figure.limit == m.limit
+
+
+def test_two_points_of_different_kinds_have_no_step_to_judge():
+    first, other = point(BRDF), point(BRDF.replace("alpha=.01 weight=.5", "alpha=.02 weight=.6"))
+    assert not step(first, other).figures
+    assert step(first, point("D_ggx h=0,0,1 alpha=.1")) is None
 
 
 def test_a_furnace_comes_back_by_its_command():
     found = list(furnaces.maps(np.array([0.1, 1.0]), np.array([0.1, 1.0])))
     for m in found:
-        (told,) = again(m.worst.command)
-        assert told["GLSL"].item() == pytest.approx(m.worst.value, rel=1e-6)
+        (figure,) = again(m.worst.command).figures
+        assert figure.value == pytest.approx(m.worst.value, rel=1e-6)
+        assert figure.limit == m.limit and figure.passed
 
 
-def test_a_level_and_a_texel_come_back_by_their_commands():
-    level = geometry.radiance_lod()
-    (told,) = again(level.worst.command)
-    assert np.abs(told["GLSL"] - told["float64"]).item() == pytest.approx(level.worst.value)
-    (texel,) = again(
-        "shadeproof stability --at 'scale_bias n.v=0.9 roughness=.5 weight=.5 masking=smith'"
-    )
-    assert np.abs(texel["GLSL"] - texel["float64"]).max() < 0.005
+def test_what_surrounds_the_brdf_comes_back_by_its_commands():
+    found = [lookups.radiance_lod(), geometry.tangent_frame(), geometry.latlong()]
+    for m in (*found, terms.hammersley()):
+        (figure,) = again(m.worst.command).figures
+        assert figure.passed and figure.limit == m.limit
+    (figure,) = again(found[0].worst.command).figures
+    assert figure.value == pytest.approx(found[0].worst.value)
+    texel = evaluate(point("scale_bias n.v=0.9 roughness=.5 weight=.5 masking=smith"))
+    assert texel.figures[0].value < 0.005 and texel.figures[0].limit is None
+
+
+MIRROR = "brdf alpha=.01 weight=.5 wi=0,.6,.8 wo=0,-.6,.8"
+BROKEN = [
+    ("brdf", lambda found: found * np.float32(1.001), MIRROR, False),
+    ("brdf", lambda found: found * np.nan, MIRROR, False),
+    ("brdf", lambda found: found * np.nan, MIRROR.replace(".01", ".001"), False),
+    ("brdf", lambda found: found * np.float32(1.001), MIRROR.replace(".01", ".001"), True),
+    ("hammersley", lambda found: found + 1, "hammersley index=1 points=4", False),
+]
+
+
+@pytest.mark.parametrize(("name", "change", "text", "passed"), BROKEN)
+def test_a_figure_over_its_limit_ends_with_1(monkeypatch, name, change, text, passed):
+    """Outside of what is promised only what is no number fails."""
+    monkeypatch.setattr(at, "shader", lambda *given: change(shader(*given)))
+    result = CliRunner().invoke(app, ["stability", "--at", text])
+    assert result.exit_code == (0 if passed else 1)
+    assert ("no limit here" if ".001" in text else "allowed") in result.output
+
+
+def test_nothing_over_nothing_is_no_error():
+    answer = evaluate(point("F_schlick f0=0,0,0 cosine=1"))
+    assert answer.passed and answer.figures[0].value == 0
 
 
 @pytest.mark.parametrize("name", [*FUNCTIONS, *INTEGRALS])
@@ -75,7 +126,7 @@ def test_every_function_says_what_it_lacks_or_works_without(name):
     ("text", "words"),
     [
         ("", ("no function",)),
-        ("brd wi=0,0,1", ("no function 'brd'", "brdf")),
+        ("brd wi=0,0,1", ("no function 'brd'", "is it 'brdf'", "--list")),
         ("D_ggx h=0,0,1 alpha=x", ("'x' is no number", "give a number")),
         ("D_ggx h=0,0,1 alpha=nan", ("is no number",)),
         ("D_ggx h=0,0,1 alpha=0", ("outside of (0, 1]",)),
@@ -85,6 +136,10 @@ def test_every_function_says_what_it_lacks_or_works_without(name):
         ("D_ggx h=0,0,1 .1", ("has no input '.1'",)),
         ("brdf wi=0,0,1 wo=0,0,1 alpha=.1 masking=none", ("no masking", "paper or smith")),
         ("hammersley index=.5 points=3", ("counts nothing",)),
+        ("D_ggx h=0,0,1 alpha=.1 alpha=.2", ("has alpha twice", "give it once")),
+        ("D_ggx h=0,0,1.01 alpha=.1", ("is 1.01 long", "length 1")),
+        ("D_ggx h=0,0,0 alpha=.1", ("is 0 long",)),
+        ("D_mixture h=0,0,1 alpha=.1 weight=1.5", ("outside of [0, 1]",)),
         ("radiance_lod size=0,1 w=0,0,1 density=1", ("is no size",)),
     ],
 )
@@ -109,7 +164,42 @@ def test_the_command_tries_one_hard_case():
     result = CliRunner().invoke(app, ["stability", "--hard", "opposite"])
     assert result.exit_code == 0 and "opposite" in result.output
     refused = CliRunner().invoke(app, ["stability", "--hard", "oposite"])
-    assert "no hard case 'oposite'" in str(refused.exception)
+    told = str(refused.exception)
+    assert "no hard case 'oposite'; is it 'opposite' or" in told and len(told) < 120
+
+
+def test_functions_and_hard_cases_are_listed():
+    listed = CliRunner().invoke(app, ["stability", "--list"]).output.splitlines()
+    assert "--hard opposite" in listed and "--at 'D_ggx h=... alpha=...'" in listed
+    assert len(listed) == len(FUNCTIONS) + len(INTEGRALS) + len(hard_names())
+
+
+def test_a_folder_that_cannot_be_written_is_told_before_anything_is_measured(tmp_path, monkeypatch):
+    monkeypatch.setattr("reports.run.stability.stability", lambda *_: pytest.fail("measured"))
+    (tmp_path / "file").touch()
+    result = CliRunner().invoke(app, ["stability", "--out", str(tmp_path / "file/out")])
+    assert "cannot be written" in str(result.exception)
+
+
+@pytest.mark.parametrize(
+    ("claim", "worst", "told"),
+    [
+        ("At most what comes", 1.000024, "worst 1 + 2.4e-05"),
+        ("At most what comes", 0.9999, "worst 1 - 0.0001"),
+        ("Agrees", 3e-5, "worst 3e-05"),
+        (HARD_HOLDS, 0.0, "116 of 116"),
+        (HARD_HOLDS, 2.0, "114 of 116"),
+    ],
+)
+def test_a_promise_is_told_by_what_counts(claim, worst, told):
+    assert promised(Promise(claim=claim, bounds={}, worst=worst, held=True), 116) == told
+
+
+def test_a_direction_that_is_rounded_is_made_a_unit_vector():
+    h = point("D_ggx h=.6,0,.8003 alpha=.1").inputs["h"]
+    assert np.hypot(*h[[0, 2]]) == pytest.approx(1, abs=1e-7)
+    exact = point("D_ggx h=0.600000024,0,0.800000012 alpha=.1").inputs["h"]
+    assert exact.tolist() == np.float32([0.6, 0, 0.8]).tolist()
 
 
 def test_a_point_and_a_hard_case_are_not_asked_for_at_once():

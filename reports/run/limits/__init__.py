@@ -13,7 +13,7 @@ from reports.run.job import Job, make_folder
 from reports.run.limits.alarms import false_alarms
 from reports.run.limits.judging import Gate, clearance, pools
 from reports.run.limits.seen import Seen
-from reports.run.suite import provenance
+from reports.run.provenance import provenance
 from scenes.errors import InputError
 
 

@@ -2,15 +2,13 @@
 
 import datetime
 import os
-import platform
 import time
 from collections.abc import Iterator
-from importlib import metadata
 from typing import Any
 
-from renderer.context import device
 from reports.progress import Reporter, reporting
-from reports.run.stability import furnaces, geometry, terms
+from reports.run.provenance import provenance
+from reports.run.stability import furnaces, geometry, lookups, terms
 from reports.run.stability.brdf import Sweep, stock_maps
 from reports.run.stability.named_brdf import BRDF
 from reports.run.stability.named_terms import TERMS
@@ -18,8 +16,8 @@ from reports.stability.directions import MASKINGS
 from reports.stability.promise import promises
 from reports.stability.results import HardCase, Map, Stability
 from scenes.errors import InputError
+from scenes.words import nearest
 
-PACKAGES = ("mitsuba", "drjit", "moderngl", "numpy", "scipy")
 NAMED = {case.name: case for case in (*BRDF, *TERMS)}
 
 
@@ -52,7 +50,7 @@ def stability(command: str = "", frames: bool = True) -> Stability:
 def _maps(report: Reporter) -> Iterator[Map]:
     for masking in MASKINGS:
         yield from _told(Sweep(masking).maps(), report)
-    for maps in (stock_maps(), terms.maps(), furnaces.maps(), geometry.maps()):
+    for maps in (stock_maps(), terms.maps(), furnaces.maps(), geometry.maps(), lookups.maps()):
         yield from _told(maps, report)
 
 
@@ -68,17 +66,21 @@ def hard_cases(names: list[str]) -> list[HardCase]:
     Raises:
         InputError: there is no such case.
     """
-    from reports.stability.hard import hard_cases as pictures
-
-    known = pictures()
     for name in names:
-        if name not in NAMED and name not in known:
-            remedy = f"use one of {', '.join([*NAMED, *known])}"
+        if name not in (known := hard_names()):
+            remedy = nearest(name, known) + "see `shadeproof stability --list`"
             raise InputError("--hard", "", f"there is no hard case '{name}'", remedy)
     found = []
     for name in names:
         found += [NAMED[name].case()] if name in NAMED else _frames([name])
     return found
+
+
+def hard_names() -> list[str]:
+    """Every hard case: of functions, and of pictures."""
+    from reports.stability.hard import hard_cases as pictures
+
+    return [*NAMED, *pictures()]
 
 
 def _frames(names: list[str] | tuple[str, ...] = ()) -> list[HardCase]:
@@ -88,16 +90,6 @@ def _frames(names: list[str] | tuple[str, ...] = ()) -> list[HardCase]:
 
 
 def _provenance() -> dict[str, Any]:
-    """Where and with what this ran."""
     from reference.variant import mitsuba
 
-    return {
-        "device": device().name,
-        "opengl": device().version,
-        "hardware_gpu": device().hardware,
-        "variant": mitsuba().variant(),
-        "cpus": os.cpu_count(),
-        "machine": f"{platform.machine()}, {platform.system()} {platform.release()}",
-        "python": platform.python_version(),
-        "versions": {p: metadata.version(p) for p in PACKAGES},
-    }
+    return provenance() | {"variant": mitsuba().variant(), "cpus": os.cpu_count()}

@@ -122,19 +122,11 @@ class Sweep:
         D and G are means by weight, so df/dw is at most twice the largest f of a pair of lobes, or
         with Smith's harmonic mean of G1, where Lambda's ratio is below 1.8, under 4 times.
         """
-        ends = [
-            exact("brdf", self.inputs(0) | {"weight": d, "weight_g": g}, self.masking)
-            for d in ((1, 0), (0, 1))
-            for g in ((1, 0), (0, 1))
+        largest = largest_end(self.inputs(0), self.masking)
+        steps = [
+            weight_step(before, after, step, largest).max(axis=-1)
+            for (before, after), step in zip(pairwise(forth), np.diff(self.weights), strict=True)
         ]
-        largest = np.max(ends, axis=0)
-        with np.errstate(invalid="ignore"):
-            steps = [
-                (np.abs(after - before) / ((4 * step + ROUNDING) * largest)).max(axis=-1)
-                for (before, after), step in zip(
-                    pairwise(forth), np.diff(self.weights), strict=True
-                )
-            ]
         return self.map(
             "smooth in weight",
             np.stack([*steps, steps[-1]]),  # the last weight has no neighbour above
@@ -158,8 +150,7 @@ class Sweep:
         after = np.stack([shader("brdf", i | {"alpha": wider}, self.masking) for i in slices])
         shape = (len(self.weights), *CELLS, PER_CELL, 3)
         peak = truth.reshape(shape).max(axis=-2, keepdims=True)
-        with np.errstate(invalid="ignore"):
-            step = np.abs(after - forth).reshape(shape) / ((4 * STEP + ROUNDING) * peak)
+        step = roughness_step(forth.reshape(shape), after.reshape(shape), STEP, peak)
         return self.map(
             "smooth in roughness",
             step.max(axis=-1),
@@ -172,6 +163,37 @@ class Sweep:
                 self.shown(at, alpha=self.shown(at)["alpha"] * np.float32(1 + STEP)),
             ],
         )
+
+
+def largest_end(inputs: Inputs, masking: str) -> np.ndarray:
+    """The largest f of all pairs of one lobe for D and one for G, (n, 3)."""
+    ends = [
+        exact("brdf", inputs | {"weight": d, "weight_g": g}, masking)
+        for d in ((1, 0), (0, 1))
+        for g in ((1, 0), (0, 1))
+    ]
+    return np.max(ends, axis=0)
+
+
+def weight_step(
+    before: np.ndarray, after: np.ndarray, step: float, largest: np.ndarray
+) -> np.ndarray:
+    """A step of f where weight moves, over the largest that `smooth_in_weight` allows."""
+    return _over(before, after, (4 * step + ROUNDING) * largest)
+
+
+def roughness_step(
+    before: np.ndarray, after: np.ndarray, step: float, peak: np.ndarray
+) -> np.ndarray:
+    """A step of f where alpha grows by a share, over the most that `smooth_in_roughness` allows."""
+    return _over(before, after, (4 * step + ROUNDING) * peak)
+
+
+def _over(before: np.ndarray, after: np.ndarray, allowed: np.ndarray) -> np.ndarray:
+    """A step over what is allowed; no step is 0, whatever is allowed."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        step = np.abs(after - before)
+        return np.where(step == 0, 0, step / allowed)
 
 
 def stock_maps() -> Iterator[Map]:

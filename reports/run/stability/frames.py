@@ -17,6 +17,7 @@ from reports.stability.results import HardCase
 from scenes.errors import InputError
 from scenes.frame import Frame
 from scenes.schema import Case
+from scenes.words import nearest
 
 LARGEST_HALF = float(np.finfo(np.float16).max)  # 65,504
 ENERGY_SAMPLES, ENERGY_BATCHES = 256, 4  # of Mitsuba, per pixel
@@ -31,7 +32,7 @@ def hard_frames(names: Collection[str] = ()) -> list[HardCase]:
     rows = hard_cases()
     for name in names:
         if name not in rows:
-            remedy = f"use one of {', '.join(rows)}"
+            remedy = nearest(name, rows) + "see `shadeproof stability --list`"
             raise InputError("--hard", "", f"there is no hard case '{name}'", remedy)
     chosen = [rows[name] for name in names] or list(rows.values())
     found = []
@@ -98,6 +99,8 @@ def _draw(name: str, case: Case, part: tuple[int, int, int, int] | None = None) 
 def _between(row: Hard, frames: dict[str, Frame]) -> Judged:
     """Radiance at the objects' pixels; one direction a pixel is noise, and left out."""
     seen = [f.rgb[f.ids > 0] for name, f in frames.items() if name != "sampled@1"]
+    if blank := sum(not s.size for s in seen):
+        return {"techniques that show no object": (blank, False)}
     low, high = (float(end) for end in (min(s.min() for s in seen), max(s.max() for s in seen)))
     return {
         "least on objects": (low, low >= row.between[0]),
@@ -109,6 +112,8 @@ def _compared(row: Hard, folder: Path, frame: Frame, draw: Draw, name: str, limi
     where = np.ones(frame.ids.shape, bool)
     if row.interior:
         where = (maximum_filter(frame.ids, 5) == minimum_filter(frame.ids, 5)) & (frame.ids > 0)
+        if not where.any():
+            return {f"pixels inside objects, {name}": (0, False)}
     rms, most = off(frame.rgb, row.expect(draw, folder), where)
     return {f"off, {name}": (rms, rms <= limit), f"off at worst, {name}": (most, True)}
 
@@ -127,6 +132,8 @@ def _energy(case: Case, frame: Frame, name: str, limit: float) -> Judged:
 
     batches = [render_batch(case, "model", ENERGY_SAMPLES, 1 + k) for k in range(ENERGY_BATCHES)]
     on = frame.ids > 0
+    if not on.any():
+        return {f"pixels of objects, {name}": (0, False)}
     truths = [truth_of(b, "unoccluded").rgb[on].mean(dtype=float) for b in batches]
     truth, spread = np.mean(truths), np.std(truths, ddof=1) / np.sqrt(len(truths))
     ratio = float(frame.rgb[on].mean(dtype=float) / truth - 1)

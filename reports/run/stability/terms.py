@@ -30,6 +30,9 @@ AROUND = 32  # azimuths in a cell
 TILT = axis("tan(h)/alpha", 10 ** np.linspace(-2, 4, 13), log=True)
 LAST = 1 - 2.0**-24  # the largest float32 below 1
 U = axis("u.x", [0, 1e-7, 1e-4, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999, 1 - 1e-6, LAST])
+POINT = 2.0**-23  # both parts of a sample point are rounded to 24 bits
+COUNTS = axis("points", [1, 2, 3, 16, 96, 1000, 1024, 65_535, 1_000_000], log=True)
+PLACES = axis("index over points", np.linspace(0, 1, 65))
 F0 = axis("f0", [-0.05, 0, 0.04, 0.5, 0.95, 1, 1.02])
 ANGLE = axis("cosine", 10 ** np.linspace(-6, 0, 25), log=True)
 SHARES = np.stack([WEIGHTS, 1 - WEIGHTS], axis=1)
@@ -44,6 +47,7 @@ def maps() -> Iterator[Map]:
     yield fresnel()
     yield density()
     yield from samplers()
+    yield hammersley()
 
 
 def term(
@@ -189,7 +193,7 @@ def samplers() -> Iterator[Map]:
             (ONE, U, ALPHA),
             inputs,
             None,
-            lambda ours, truth, _: _turned(ours, truth),
+            lambda ours, truth, _: turned(ours, truth),
             why="Random numbers from 0 to the last float32 below 1 all give directions, and those "
             "of the formula.",
             unit="error of n.h and of its sine, relative",
@@ -197,7 +201,27 @@ def samplers() -> Iterator[Map]:
         )
 
 
-def _turned(ours: np.ndarray, truth: np.ndarray) -> np.ndarray:
+def hammersley() -> Map:
+    """Points against exact binary fractions, and within [0, 1)."""
+    points, place = spread(COUNTS.values, PLACES.values, 1)
+    index = np.minimum(np.round(place * points), points - 1)
+    given = {"index": index, "points": points}
+    found = shader("hammersley", given)
+    off = np.abs(found - exact("hammersley", given)).max(axis=1)
+    off[(found < 0).any(axis=1) | (found >= 1).any(axis=1)] = np.inf
+    return make_map(
+        "hammersley",
+        "against float64",
+        off.reshape(1, len(COUNTS.values), len(PLACES.values), 1),
+        (ONE, COUNTS, PLACES),
+        lambda at: [{n: v[at[1] * len(PLACES.values) + at[2]] for n, v in given.items()}],
+        why="A point of 1 would be sent to the horizon: 32 bits as a fraction round up to it.",
+        unit="difference; infinite outside of [0, 1)",
+        limit=POINT,
+    )
+
+
+def turned(ours: np.ndarray, truth: np.ndarray) -> np.ndarray:
     """How far off a direction is: along n, and across as a share of the sine."""
     off = np.abs(ours.astype(float) - truth)
     sine = np.maximum(np.hypot(truth[:, 0], truth[:, 1]), 1e-30)
