@@ -14,7 +14,7 @@ for (const atlas of document.querySelectorAll(".atlas")) {
     at = place;
     const { slice, x, y } = place;
     const figure = figures[slice][y * across + x];
-    const inputs = [axes.columns[x], axes.rows[y], axes.slices[slice]].map((v, i) => `${axes.names[i]} ${v}`);
+    const inputs = [axes.columns[x], axes.rows[y], axes.slices[slice]].map((v, i) => axes.names[i] && `${axes.names[i]} ${v}`).filter(Boolean);
     output.textContent = `${inputs.join(", ")}: ${figure || "not tried"}`;
     boxes[slice].append(cursor);
     cursor.style.cssText = `left: ${(100 * x) / across}%; bottom: ${(100 * y) / up}%; width: ${100 / across}%; height: ${100 / up}%`;

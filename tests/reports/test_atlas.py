@@ -16,7 +16,8 @@ from reports.html.stability.scale import (
     WITHIN,
     place,
 )
-from tests.reports.atlases import ALPHAS, COSINES, furnace, made, small, worst
+from reports.stability.results import Axis
+from tests.reports.atlases import ALPHAS, COSINES, axes, furnace, made, small, worst
 from tests.reports.pages import pixels
 
 BLACK, WHITE = (0, 0, 0, 255), (255, 255, 255, 255)
@@ -193,3 +194,9 @@ def test_axes_are_labelled_with_whole_powers_of_ten():
     assert {t for _, t in view.rows} == {"1e−6", "1e−4", "0.01", "1"}
     assert dict((t, at) for at, t in view.rows)["1"] < 10  # on top
     assert [s.label for s in view.slices][:2] == ["weight 0", "weight 1e−7"]
+
+
+def test_slices_of_nothing_have_no_label():
+    nameless = (Axis(name="", values=[0]), *axes([1.0], COSINES[:1], ALPHAS[:2])[1:])
+    (shown,) = map_view(small([[1e-9, 1e-6]], axes=nameless)).slices
+    assert shown.label == ""

@@ -123,7 +123,7 @@ def _view(found: Map, scale: AtlasScale) -> MapView:
         ticks=scale.ticks,
         slices=[
             Slice(
-                label=f"{name(slices.name)} {input_value(slices.values[k])}",
+                label=f"{name(slices.name)} {input_value(slices.values[k])}" if slices.name else "",
                 uri=drawn(values[k], tried[k], beyond[k], inside[k], scale),
                 marks=[m for at, m in filter(None, marks) if at == k],
                 cells=_cells(values[k], tried[k], scale.told),
