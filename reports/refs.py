@@ -39,7 +39,11 @@ def print_list(store: Path, console: Console) -> None:
         table.add_row(r.case, r.kind, r.model, *_sizes(r), f"[{STYLE[r.state]}]{r.state}[/]")
     console.print(table)
     total = sum(r.size for r in records) / 1e6
-    console.print(f"{len(records)} references, {total:.1f} MB", soft_wrap=True)
+    console.print(f"{_count(len(records))}, {total:.1f} MB", soft_wrap=True)
+
+
+def _count(references: int) -> str:
+    return "1 reference" if references == 1 else f"{references} references"
 
 
 def _sizes(record: Record) -> list[str]:
@@ -50,16 +54,16 @@ def pack_suite(job: Job, file: Path, console: Console) -> None:
     """Write a job's references into one file, and say its digest."""
     digest, manifest = pack(job.wanted, Store(job.store), file, job.path.stem)
     size = file.stat().st_size / 1e6
-    console.print(
-        f"{file}: {len(manifest['references'])} references, {size:.2f} MB", soft_wrap=True
-    )
+    console.print(f"{file}: {_count(len(manifest['references']))}, {size:.2f} MB", soft_wrap=True)
     typer.echo(f"sha256:{digest}")
 
 
 def unpack_file(file: Path, digest: str, store: Path, console: Console) -> None:
     """Bless the references of a pack."""
     references = unpack(file, Store(store), digest)["references"]
-    console.print(f"{len(references)} references of {file} are blessed in {store}", soft_wrap=True)
+    told = _count(len(references))
+    are = "is" if len(references) == 1 else "are"
+    console.print(f"{told} of {file} {are} blessed in {store}", soft_wrap=True)
 
 
 def verify_suite(job: Job, batches: int, console: Console) -> bool:
@@ -82,7 +86,7 @@ def verify_suite(job: Job, batches: int, console: Console) -> bool:
     if damaged:
         return False
     all_stored(needed, store)
-    console.print(f"[green]sound[/] every file of {len(needed)} references")
+    console.print(f"[green]sound[/] every file of {_count(len(needed))}")
     if batches == 0:
         return True
     with reporting(len(needed)) as report:

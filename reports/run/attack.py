@@ -12,8 +12,9 @@ from reports.attack.kept import Kept
 from reports.attack.mutants import Change
 from reports.attack.results import Attack, Mutant
 from reports.run.provenance import provenance
+from reports.run.shipped import shipped_pack
 from scenes.errors import InputError
-from scenes.suite import HERE, load_suite
+from scenes.suite import load_suite
 
 
 def shipped(suite: str, store: Path) -> Path:
@@ -22,9 +23,8 @@ def shipped(suite: str, store: Path) -> Path:
     Raises:
         InputError: there are none, or no such suite.
     """
-    load_suite(suite)
-    pack = HERE / "references" / f"{Path(suite).stem}.refs"
-    if not pack.is_file():
+    pack = shipped_pack(load_suite(suite)[1])
+    if pack is None:
         problem, remedy = "comes without references", "give a --store that has them"
         raise InputError("--suite", suite, problem, remedy)
     unpack(pack, Store(store))

@@ -5,9 +5,7 @@ import shutil
 import time
 from pathlib import Path
 
-from reference.batches import all_stored
 from reference.settings import FEWEST_BATCHES
-from reference.store import Store
 from reports import gate, parity
 from reports.progress import reporting
 from reports.results import CaseRecord, Ladder, Results, Row
@@ -16,6 +14,7 @@ from reports.run.conformance import conformance
 from reports.run.job import Job, make_folder, sources
 from reports.run.makers import Makers
 from reports.run.provenance import provenance
+from reports.run.shipped import need_stored
 from reports.run.stability.materials import beside_oracle
 from reports.run.tracing import trace_ahead
 
@@ -32,7 +31,7 @@ def run(job: Job) -> Results:
         make_folder(job.out, "--out")
         _clear(job.out)
     if job.frozen:
-        all_stored(job.wanted, Store(job.store))
+        need_stored(job)
     executor = job.executor
     make_folder(job.out, "--out")
     if executor:

@@ -10,6 +10,7 @@ from reference.store import Store
 from reports.calibration import Pool
 from reports.progress import reporting
 from reports.run.job import Job, make_folder, sources
+from reports.run.shipped import need_stored
 
 
 def references(job: Job, samples: int) -> list[tuple[str, str, int, float]]:
@@ -19,7 +20,9 @@ def references(job: Job, samples: int) -> list[tuple[str, str, int, float]]:
         Per reference: case, truths, samples per pixel, seconds of path tracing in total.
     """
     sampling, store = job.suite.reference, Store(job.store)
-    if not job.frozen:
+    if job.frozen:
+        need_stored(job)
+    else:
         most = sampling.max_samples // sampling.samples_per_batch
         reached = math.ceil(samples / rounded_samples(sampling.samples_per_batch))
         trace_ahead(job, max(min(reached, most), FEWEST_BATCHES))

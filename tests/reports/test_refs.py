@@ -1,5 +1,6 @@
 """The commands `refs`, and runs that trace nothing."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -48,13 +49,38 @@ def test_a_frozen_gate_needs_no_path_tracer(blessed, tmp_path):
     assert [p.name for p in blessed.iterdir()] == ["blessed"]
 
 
+@pytest.fixture
+def elsewhere(tmp_path):
+    """The suite `frozen` as a user's own, for which no pack comes with the code."""
+    return shutil.copy(ROOT / "scenes/suites/frozen.toml", tmp_path / "frozen.toml")
+
+
+def test_a_frozen_gate_finds_the_pack_that_comes_with_the_code(tmp_path):
+    words = ["gate", "--frozen", "--verdict-only", "--suite", "frozen"]
+    words += ["--store", tmp_path / "store", "--out", tmp_path / "out", "--json"]
+    answer = without_mitsuba(*words)
+    assert answer.returncode == 0, answer.stderr
+    told = [line for line in answer.stderr.splitlines() if not line.startswith("[")]
+    assert told == [f"blessed in {tmp_path / 'store'}: 1 reference of {PACK}"]
+    assert json.loads(answer.stdout)["verdict"] == "pass"
+    again = without_mitsuba(*words)
+    assert again.returncode == 0 and "blessed" not in again.stderr
+
+
+def test_a_suite_of_the_same_name_elsewhere_has_no_pack(elsewhere, tmp_path):
+    words = ["gate", "--frozen", "--suite", elsewhere, "--store", tmp_path / "store"]
+    answer = without_mitsuba(*words, "--out", tmp_path / "out")
+    assert answer.returncode == 2 and "0 of the 8" in answer.stderr
+    assert not (tmp_path / "store").exists()
+
+
 @pytest.mark.parametrize("command", ["gate", "references"])
-def test_a_frozen_run_names_the_reference_that_is_missing(blessed, tmp_path, command):
+def test_a_frozen_run_names_the_reference_that_is_missing(blessed, elsewhere, tmp_path, command):
     store = tmp_path / "store"
     shutil.copytree(blessed, store)
     next(store.rglob("batch-005.json")).unlink()
     out = ["--out", tmp_path / "out"] if command == "gate" else []
-    answer = without_mitsuba(command, "--frozen", "--suite", "frozen", "--store", store, *out)
+    answer = without_mitsuba(command, "--frozen", "--suite", elsewhere, "--store", store, *out)
     assert answer.returncode == 2
     (line,) = [line for line in answer.stderr.splitlines() if not line.startswith("[")]
     assert "contact.studio" in line and "'model'" in line and "7 of the 8" in line
@@ -156,4 +182,4 @@ def test_verify_looks_at_the_references_of_its_suite_alone(shadeproof, blessed, 
     code, out, err = shadeproof(*words)
     assert code == 0, err
     count = len(list(blessed.glob("blessed/*")))
-    assert f"sound every file of {count} references" in out
+    assert count == 1 and "sound every file of 1 reference\n" in out
