@@ -1,7 +1,6 @@
 """Lat-long radiance maps, decoded, checked and sanitised once for both renderers."""
 
 import math
-import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -14,6 +13,7 @@ from scenes.files import checked_file
 
 FORMATS = (".exr", ".hdr")
 DECODERS = {".exr": "openexr", ".hdr": "hdr"}  # as OpenImageIO calls what must be inside
+STARTS = {".exr": b"v/1\x01", ".hdr": b"#?"}
 BRIGHTEST = 1e15  # sums of squared radiance over a map stay inside float32
 FAINTEST = 1e-30  # less counts as 0: times a solid angle it would be a denormal, or lost
 GREY = ("Y", "L", "LUMINANCE")
@@ -98,9 +98,8 @@ def read_pixels(path: Path, field: str, size: tuple[int, int] | None = None) -> 
 def _read(path: Path, field: str, size: tuple[int, int] | None) -> np.ndarray:
     image = oiio.ImageInput.open(str(path))
     if image is None:
-        reason = _in_short(oiio.geterror())
-        problem = f"cannot be read ({reason})"
-        raise InputError(path, field, problem, "export it again")
+        oiio.geterror()  # told in our words: the library's are for programmers
+        raise InputError(path, field, f"cannot be read ({_why(path)})", "export it again")
     try:
         spec = image.spec()
         _as_named(path, field, image.format_name(), str(spec.format))
@@ -124,11 +123,16 @@ def _read(path: Path, field: str, size: tuple[int, int] | None) -> np.ndarray:
     return np.ascontiguousarray(pixels[:: FLIPS[orientation][0], :: FLIPS[orientation][1]])
 
 
-def _in_short(said: str) -> str:
-    """The last line of what OpenImageIO says, without its codes and its advice to programmers."""
-    lines = [line for line in said.strip().splitlines() if "OIIO" not in line]
-    last = lines[-1] if lines else "unknown format"
-    return re.sub(r"EXR Error \(.*?\): |EXR_ERR_\w+ ", "", last).strip(' ."')
+def _why(path: Path) -> str:
+    """What keeps a file from being opened as a picture, by its first bytes."""
+    with path.open("rb") as file:
+        start = file.read(4)
+    ending = path.suffix.lower()
+    if not start:
+        return "it is empty"
+    if not start.startswith(STARTS.get(ending, b"")):
+        return f"it is no {ending} file"
+    return "its header is damaged, or of a kind that is not known here"
 
 
 def _check_size(

@@ -108,4 +108,6 @@ def _in_words(mistake: Any, kind: type[BaseModel] | None) -> tuple[str, str]:
     if cause == "tuple_type" and isinstance(value, dict) and len(place) == 1:
         return problem, f"give a list: [...], or [[{place[0]}]] where it holds tables"
     remedy = REMEDIES.get(cause)
+    if cause == "too_long" and mistake["ctx"].get("field_type") == "Tuple":
+        remedy = "give a list of {max_length}"  # no fewer either
     return problem, remedy.format(**mistake.get("ctx", {})) if remedy else SEE

@@ -21,7 +21,8 @@ PROGRESS = re.compile(r"\[\d+/\d+\] ")
 # What a library, or Python, would say; no user can do anything with it.
 INTERNAL = re.compile(
     r"\bNone\b|Errno|<class|object at 0x|NoneType|pydantic|trimesh|numpy|"
-    r"OpenImageIO|OIIO|EXR_ERR|\w+Error\b|codec can't|array\(|dtype"
+    r"OpenImageIO|OIIO|EXR_ERR|EXR Error|magic|version flags|' attribute|"
+    r"\w+Error\b|codec can't|array\(|dtype"
 )
 
 

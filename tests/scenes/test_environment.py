@@ -159,6 +159,24 @@ def test_a_missing_or_broken_map_is_refused(refused, tmp_path, ending):
     refused(lambda: load_environment(path), path.name, "environment", "export it again")
 
 
+@pytest.mark.parametrize(
+    ("ending", "change", "told"),
+    [
+        ("exr", lambda whole: b"junk" * 100, "it is no .exr file"),
+        ("hdr", lambda whole: b"junk" * 100, "it is no .hdr file"),
+        ("exr", lambda whole: b"", "it is empty"),
+        ("exr", lambda whole: whole[:4] + b"\2\2\0\0" + whole[8:], "its header is damaged"),
+        ("exr", lambda whole: whole[:40], "its header is damaged"),
+    ],
+)
+def test_what_cannot_be_opened_is_told_in_our_own_words(
+    write_image, refused, tmp_path, ending, change, told
+):
+    path = tmp_path / f"bad.{ending}"
+    path.write_bytes(change(write_image(f"map.{ending}", MAP).read_bytes()))
+    refused(lambda: load_environment(path), f"cannot be read ({told}")
+
+
 def test_other_formats_and_shapes_are_refused(write_image, refused, tmp_path):
     (tmp_path / "map.jpg").write_bytes(b"")
     refused(lambda: load_environment(tmp_path / "map.jpg"), "environment", "use .exr or .hdr")

@@ -10,6 +10,7 @@ from scenes.errors import InputError
 from scenes.files import parse
 from scenes.schema import Material
 from scenes.suite import Scene, Suite
+from scenes.words import nearest
 
 EVERY_FIELD = {
     Suite: {
@@ -96,3 +97,13 @@ def test_the_fields_of_the_test_are_sound():
         parse(kind, fields, Path("file.toml"))
         optional = {"description", "source", "name"} if kind is Material else set()
         assert set(fields) == set(kind.model_fields) - optional
+
+
+def test_a_list_of_a_fixed_length_is_asked_for_as_such(refused):
+    material = EVERY_FIELD[Material] | {"albedo": [0.1] * 4}
+    refused(lambda: parse(Material, material, Path("a.toml")), "albedo", "give a list of 3")
+
+
+def test_the_nearest_names_are_told_and_no_others():
+    assert nearest("no maskng", ["no masking", "tiles"]) == "is it 'no masking'? "
+    assert nearest("zzzz", ["no masking"]) == ""
