@@ -30,6 +30,8 @@ Coordinate = Annotated[float, Field(ge=-1e15, le=1e15, allow_inf_nan=False, stri
 Place = tuple[Coordinate, Coordinate, Coordinate]  # squares stay inside float32
 
 PRIMITIVES = ("sphere", "plane")
+# Rays are float32, told apart by 2^-24 of their length: so they hit within a 256th of a pixel.
+LEAST_PIXEL = 2.0**-16  # radians
 ALPHA_MIN = 1e-4  # Mitsuba's microfacet plugins floor alpha here, so both sides do.
 
 
@@ -209,6 +211,12 @@ class Camera(Strict):
         )
         if not cross > 1e-6 * math.hypot(*to) * math.hypot(*self.up):  # so it is too if up is 0
             raise ValueError("origin, target and up lie on one line; move the target or turn up")
+        # Their squares must stay inside float32.
+        if not math.hypot(*to) >= 1e-15:
+            raise ValueError("target is less than 1e-15 from origin; move the target away")
+        if not 1e-6 <= math.hypot(*self.up) <= 1e6:
+            problem = f"up is {math.hypot(*self.up):.3g} long"
+            raise ValueError(f"{problem}; only its direction counts: give 1e-6 to 1e6, such as 1")
         return self
 
 
@@ -264,6 +272,15 @@ class Case(Strict):
     @model_validator(mode="after")
     def _names_are_unique(self) -> Case:
         unique_names([o.name for o in self.objects])
+        return self
+
+    @model_validator(mode="after")
+    def _pixels_are_told_apart(self) -> Case:
+        least = math.degrees(self.height * LEAST_PIXEL)
+        if self.camera.fov < least:
+            problem = f"camera.fov of {self.camera.fov:.3g} degrees over {self.height} pixels"
+            remedy = f"give camera.fov from {least:.2g} up, and move the camera nearer"
+            raise ValueError(f"{problem} is finer than float32 rays; {remedy}")
         return self
 
     @property

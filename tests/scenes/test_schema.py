@@ -104,6 +104,15 @@ def test_a_camera_must_look_somewhere_beside_up(target):
         Camera(origin=(0, 0, 0), target=target, fov=30)
 
 
+def test_a_pixel_must_be_wider_than_float32_rays_are_apart():
+    """2^-16 radians are 256 steps of 2^-24, the last digit of a direction."""
+    fields = expand(*load_suite("tiny"))[0].case.model_dump()
+    least = math.degrees(2**-16) * fields["height"]
+    Case.model_validate(fields | {"camera": fields["camera"] | {"fov": least * 1.0001}})
+    with pytest.raises(ValidationError, match="finer than float32 rays"):
+        Case.model_validate(fields | {"camera": fields["camera"] | {"fov": least * 0.9999}})
+
+
 @pytest.mark.parametrize("suite", ["default", "spheres", "full", "tiny", "bench"])
 def test_every_case_survives_json(suite):
     for entry in expand(*load_suite(suite)):
