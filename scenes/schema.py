@@ -279,7 +279,7 @@ class Case(Strict):
         least = math.degrees(self.height * LEAST_PIXEL)
         if self.camera.fov < least:
             problem = f"camera.fov of {self.camera.fov:.3g} degrees over {self.height} pixels"
-            remedy = f"give camera.fov from {least:.2g} up, and move the camera nearer"
+            remedy = f"give camera.fov from {1.01 * least:.3g} up, and move the camera nearer"
             raise ValueError(f"{problem} is finer than float32 rays; {remedy}")
         return self
 
