@@ -10,6 +10,8 @@ from reports.conformance.light import Light
 from reports.run.conformance.maps import of_maps, of_sizes
 from reports.run.conformance.samples import of_samples
 from reports.run.conformance.shading import of_beckmann_over_ggx
+from reports.run.conformance.shared import uniforms_of
+from reports.run.conformance.surfaces import of_surfaces
 from reports.run.stability.materials import beside_oracle
 from scenes.environment import load_environment
 from scenes.schema import Material, Model
@@ -49,6 +51,27 @@ def test_a_wrong_weight_of_ggx_samples_for_beckmann_is_seen(broken, right, wrong
     assert of_beckmann_over_ggx(alphas).passed
     broken("beckmann_over_ggx.glsl", right, wrong)
     assert not of_beckmann_over_ggx(alphas).passed
+
+
+@pytest.mark.parametrize(
+    ("field", "least"), [("alpha", 0.0024), ("specular_f0", 0.035), ("diffuse_albedo", 0.01)]
+)
+def test_a_material_that_is_clamped_is_seen(monkeypatch, field, least):
+    case = next(e.case for e in expand(*load_suite("guard")) if e.case.scene == "ends")
+    assert all(f.passed for f in of_surfaces(case, "paper"))
+    right = getattr(Material, field).fget
+
+    def clamped(material):
+        value = right(material)
+        return max(value, least) if field == "alpha" else tuple(max(c, least) for c in value)
+
+    told = {o.name: uniforms_of(o.material) for o in case.objects}
+    materials = {o.material: o.name for o in case.objects}
+    monkeypatch.setattr(
+        "reports.run.conformance.surfaces.uniforms_of", lambda m: told[materials[m]]
+    )
+    monkeypatch.setattr(Material, field, property(clamped))
+    assert not all(f.passed for f in of_surfaces(case, "paper"))
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from reports.run.conformance.light import of_light
 from reports.run.conformance.maps import of_maps, of_mirror, of_sizes
 from reports.run.conformance.samples import of_samples
 from reports.run.conformance.shading import of_beckmann_over_ggx, of_horizon, of_split_sum
+from reports.run.conformance.surfaces import of_surfaces
 from reports.run.conformance.tables import of_own_table, of_table
 from scenes.environment import load_environment
 from scenes.schema import Environment
@@ -30,6 +31,7 @@ def conformance(entries: Iterable[Entry]) -> list[Conformance]:
         for o in e.case.objects
         for name in e.techniques
     ]
+    found += [f for e in entries for name in e.techniques for f in of_surfaces(e.case, name)]
     found.append(of_normals(used[0][0]))
     for environment in {c.environment.path: c.environment for c, _, _ in used}.values():
         found += of_light(environment)

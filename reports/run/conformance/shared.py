@@ -17,6 +17,7 @@ from scenes.schema import Material
 ALLOWED = {
     "light": 2e-3,
     "levels of the light": 1e-5,
+    "surfaces": 1e-6,
     "sizes of maps": 0.0,
     "irradiance map": 5e-3,
     "prefiltered maps": 0.02,
