@@ -41,6 +41,19 @@ MEMBER = re.compile(r"[0-9a-f]{64}/(reference\.json|(background|batch-\d{3,9})\.
 EPOCH = (1980, 1, 1, 0, 0, 0)  # the first time a zip can hold
 UNSOUND = "is no sound pack (damaged, or no pack)"
 AGAIN = "fetch or make the pack again"
+DAMAGE = (  # what the readers of zip, JSON and EXR raise on spoilt bytes
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    ValueError,
+    KeyError,
+    TypeError,
+    LookupError,
+    EOFError,
+    RuntimeError,
+    NotImplementedError,
+    OverflowError,
+)
 Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 
 
@@ -213,8 +226,7 @@ def _complaints(path: Path):
         raise InputError(path, "", UNSOUND, AGAIN) from error
     except UnsoundError as error:
         raise InputError(path, "", f"is no sound pack ({error})", AGAIN) from error
-    except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, TypeError, LookupError, EOFError,
-            RuntimeError, NotImplementedError, struct.error, OverflowError) as error:  # fmt: skip
+    except DAMAGE as error:
         raise InputError(path, "", UNSOUND, AGAIN) from error
 
 

@@ -170,7 +170,7 @@ def _caught(err: IO[bytes]) -> Iterator[None]:
 
 def _warm_up() -> None:
     """Import what every run needs, and make the context, so that no input is charged for it."""
-    import reports.run.suite  # noqa: F401
+    import reports.run.suite  # noqa: F401  loaded ahead of the first input
     from renderer.context import device
     from scenes.mesh import load_mesh
 

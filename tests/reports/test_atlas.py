@@ -169,8 +169,13 @@ def test_the_frame_holds_what_is_judged():
 def test_the_worst_point_is_marked_in_its_cell():
     view = map_view(made())
     marks = {m.kind: (s.label, m.x, m.y) for s in view.slices for m in s.marks}
-    column = lambda k: pytest.approx(100 * (k + 0.5) / len(ALPHAS), abs=0.01)  # noqa: E731
-    row = lambda k: pytest.approx(100 - 100 * (k + 0.5) / len(COSINES), abs=0.01)  # noqa: E731
+
+    def column(k):
+        return pytest.approx(100 * (k + 0.5) / len(ALPHAS), abs=0.01)
+
+    def row(k):
+        return pytest.approx(100 - 100 * (k + 0.5) / len(COSINES), abs=0.01)
+
     assert marks["worst"] == ("weight 1", column(8), row(4))
     assert marks["beyond"] == ("weight 1", column(0), row(0))
     lost = made(of=furnace, at_least=0.999, limit=1.001, judged={}, worst=worst(1 - 0.0031),

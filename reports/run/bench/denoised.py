@@ -26,7 +26,7 @@ EXTRA = "pip install 'shadeproof[denoise]'"
 def unavailable() -> str:
     """Why nothing can be denoised here, or nothing."""
     try:
-        import mitsuba_oidn  # noqa: F401
+        import mitsuba_oidn  # noqa: F401  asked for only to see whether it can be
     except ImportError as error:
         first = " ".join(str(error).split())
         return f"denoised: mitsuba-oidn cannot be imported ({first}); {EXTRA}"
