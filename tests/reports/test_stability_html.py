@@ -8,7 +8,8 @@ import pytest
 from reports.html.numbers import departure, figure, input_value, prose
 from reports.html.stability import stability_of, write_page
 from reports.html.stability.view import headline, stability_view
-from reports.stability.results import Stability, load_stability, save_stability
+from reports.stability.promise import HARD_HOLDS
+from reports.stability.results import Promise, Stability, load_stability, save_stability
 from tests.reports.atlases import (
     EVIL,
     broken,
@@ -65,6 +66,12 @@ def test_a_headline_tells_what_holds():
     assert headline(fine) == "The shaders keep every promise: 1 limit and 2 hard cases hold"
     lost = full_stability(maps=[made()], hard=[], domain=[promise(held=False)])
     assert headline(lost) == "The shaders break a promise: 1 of 1 promise not kept"
+
+
+def test_a_promise_about_all_hard_cases_counts_them():
+    held = Promise(claim=HARD_HOLDS, bounds={}, limit=0.0, worst=1.0, held=False)
+    broken = full_stability(maps=[made()], hard=[hard(), hard("b", passed=False)], domain=[held])
+    assert [p.told for p in stability_view(broken).promises] == ["1 of 2"]
 
 
 def test_the_domain_stands_on_top_with_what_is_not_kept_first(page):

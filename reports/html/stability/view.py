@@ -10,6 +10,7 @@ from reports.html.numbers import departure, figure, input_value, name
 from reports.html.stability.maps import MapView, map_views
 from reports.html.stability.scale import scale_of
 from reports.html.trust import Fact, versions_of
+from reports.stability.promise import HARD_HOLDS
 from reports.stability.results import HardCase, Map, Promise, Stability
 
 FIRST = ("brdf", "against float64")  # the map to look at where none is over its limit
@@ -25,8 +26,7 @@ class PromiseView:
 
     promise: Promise
     where: str
-    worst: str
-    limit: str
+    told: str
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def stability_view(found: Stability) -> StabilityView:
     return StabilityView(
         headline=headline(found),
         state="pass" if found.passed else "fail",
-        promises=[_promise(p) for p in sorted(found.domain, key=lambda p: p.held)],
+        promises=[_promise(p, len(found.hard)) for p in sorted(found.domain, key=lambda p: p.held)],
         summary=summary,
         functions=_functions(summary),
         kinds=_kinds(found.hard),
@@ -122,13 +122,17 @@ def _urgency(found: Map) -> tuple[bool, bool, float]:
     return found.passed, False, -off(value) / (off(found.limit) or 1)
 
 
-def _promise(promise: Promise) -> PromiseView:
+def _promise(promise: Promise, hard: int) -> PromiseView:
     bounds = (
         f"{name(n)} {input_value(low)} to {input_value(high)}"
         for n, (low, high) in promise.bounds.items()
     )
-    limit = "" if promise.limit is None else departure(promise.limit)
-    return PromiseView(promise, ", ".join(bounds), departure(promise.worst), limit)
+    if promise.claim == HARD_HOLDS:
+        told = f"{hard - int(promise.worst)} of {hard}"
+    else:
+        allowed = "" if promise.limit is None else f", {departure(promise.limit)} allowed"
+        told = f"worst {departure(promise.worst)}{allowed}"
+    return PromiseView(promise, ", ".join(bounds), told)
 
 
 def _functions(views: Sequence[MapView]) -> list[FunctionView]:
