@@ -76,7 +76,8 @@ def cycles_material(obj: Object) -> dict[str, Any]:
     - `principled`: any other dielectric. No twin of anything here; reported only.
 
     Raises:
-        InputError: a mixture of lobes or of metal and dielectric, which Cycles does not have.
+        InputError: a mixture of lobes or of metal and dielectric, which Cycles does not have, or a
+            dielectric without eta.
     """
     material, where = obj.material, f"object '{obj.name}'"
     if material.weight not in (0, 1) or material.masking_weight != material.weight:
@@ -98,10 +99,12 @@ def cycles_material(obj: Object) -> dict[str, Any]:
     if material.weight == 0:
         problem = "is a Beckmann dielectric, which Blender's principled surface does not have"
         raise InputError(where, "material.weight", problem, "give weight 1")
-    eta = float(np.mean(material.f0.eta))
+    if material.f0.eta is None:
+        problem = "has no eta, which Blender's principled surface needs"
+        raise InputError(where, "material.f0", problem, "add eta, or give an F0 below 1")
     return {
         "kind": "principled",
         "colour": material.albedo,
         "alpha": material.alpha,
-        "eta": eta,
+        "eta": float(np.mean(material.f0.eta)),
     }

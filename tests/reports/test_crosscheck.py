@@ -75,6 +75,7 @@ def test_a_metal_keeps_its_alpha_its_constants_and_its_lobe():
         ({"weight_g": 0.0}, "weight"),
         ({"metallic": 0.5}, "metallic"),
         ({"metallic": 0.0, "weight": 0.0}, "weight"),
+        ({"metallic": 0.0, "f0": 1.0}, "f0"),
     ],
 )
 def test_what_cycles_has_no_surface_for_is_refused(changed, field):
