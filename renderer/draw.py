@@ -1,33 +1,39 @@
 """Draw a case with a technique."""
 
+from dataclasses import dataclass, replace
 from statistics import median
 from time import perf_counter
 from typing import Any
 
+import moderngl
 import numpy as np
 
-from renderer.context import device
+from renderer.context import context, device
 from renderer.features import FINE, Technique, features, split_samples
-from renderer.objects import culled, object_ids, placed, vertex_array
+from renderer.objects import culled, object_ids, placed, placed_in_world, vertex_array
 from renderer.passes import Draw, Prepared, draw_frame
-from renderer.precompute import Maps, precomputed
+from renderer.precompute import precomputed
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.prefilter import LEVELS
-from renderer.program import program
+from renderer.program import Maps, program
 from renderer.targets import Rectangle, make_target, within
+from renderer.transport.scene import SceneGeometry, local_radiance, scene_geometry
 from renderer.view import View, covered, view
 from scenes.frame import Frame
-from scenes.schema import Case, Model, Object
+from scenes.schema import Case, Material, Model, Object
 
 REPEATS = 5
+AT_VERTEX = frozenset({"AT_VERTEX"})
+LOCAL_SAMPLES = 16  # directions for the light of each surface that another one sees
 TIMING_SECONDS = 0.4  # slow techniques are timed over fewer frames
 
 
+@dataclass(frozen=True)
 class Renderer:
     """The GLSL renderer with one technique; `render` meets the protocol of all renderers."""
 
-    def __init__(self, technique: Technique, repeats: int = REPEATS) -> None:
-        self.technique, self.repeats = technique, repeats
+    technique: Technique
+    repeats: int = REPEATS
 
     def render(self, case: Case, part: Rectangle | None = None) -> Frame:
         """Draw the case as linear radiance, (H, W, 3) float32.
@@ -76,6 +82,7 @@ class Renderer:
     def prepare(self, case: Case, maps: Maps, part: Rectangle | None = None) -> Prepared:
         """Compile (or find) the shaders, gather the uniforms and make the target."""
         camera, turn = view(case), case.environment.rotation / 360
+        geometry = scene_geometry(case) if self.technique.occlusion else None
         scale = self.technique.supersample
         size = (case.width * scale, case.height * scale)
         part = tuple(scale * n for n in part or (0, 0, case.width, case.height))
@@ -87,11 +94,17 @@ class Renderer:
             "picture_corner": part[:2],
             "picture_size": size,
         }
+        if geometry:
+            maps = maps | geometry.maps
+            frame |= {"eye": camera.eye - geometry.middle}
+        if self.technique.interreflection:
+            maps = maps | {"local_radiance": self._local_radiance(case, geometry, frame, maps)}
         draws = [
-            self._draw(number, obj, case.model, camera, size, part, frame, maps)
+            self._draw(number, obj, case.model, camera, size, part, frame, maps, geometry)
             for number, obj in enumerate(case.objects, start=1)
         ]
-        target = make_target(size, self.technique.msaa, covered(case.objects, camera, size), part)
+        around = covered(case.objects, camera, size)
+        target = make_target(size, self.technique.msaa, around, part, placed=bool(geometry))
         background = program("fullscreen.vert", "background.frag")
         rays = frame | {"pixel_area": _pixel_area(camera, case)}
         return Prepared(draws, background, rays, maps, target)
@@ -106,19 +119,64 @@ class Renderer:
         part: Rectangle,
         frame: dict[str, Any],
         maps: Maps,
+        geometry: SceneGeometry | None,
     ) -> Draw:
-        material, how = obj.material, self.technique
-        defines = features(material, model, how.diffuse, how.forced)
+        how = self.technique
+        maps = self._read(obj.material, model, maps)
+        sides = {"ANTIALIASED"} if how.msaa else set()
+        if geometry:
+            sides.add("PLACED")
+            raster = program("placed.vert", "surface.frag", frozenset({"PLACED"}))
+            vertices, indices = geometry.buffers[number - 1]
+            layout = (vertices, "3f 3f", "position", "normal")
+            array = context().vertex_array(raster, [layout], indices)
+            where = placed_in_world(geometry.middle, camera)
+            where |= {"first_triangle": geometry.first_triangle[number - 1]}
+        else:
+            raster = program("mesh.vert", "surface.frag")
+            array, where = vertex_array(obj.mesh, raster), placed(obj, camera)
+        shading = self._shading("surface_shade.frag", obj.material, model, frozenset(sides))
+        uniforms = frame | where | self._uniforms(obj.material) | {"number": number}
+        touched = within(covered((obj,), camera, size), part)
+        return Draw(array, raster, shading, uniforms, maps, culled(obj, camera), touched)
+
+    def _local_radiance(
+        self, case: Case, geometry: SceneGeometry, frame: dict[str, Any], maps: Maps
+    ) -> moderngl.Texture:
+        """What the scene's surfaces send one another, shaded by few directions each."""
+        few = replace(self, technique=replace(self.technique, samples=LOCAL_SAMPLES, msaa=0))
+
+        def shade(number: int) -> tuple[moderngl.Program, dict[str, Any], Maps]:
+            material = case.objects[number].material
+            drawn = few._shading("local_radiance.frag", material, case.model, AT_VERTEX)
+            uniforms = frame | few._uniforms(material)
+            return drawn, uniforms, few._read(material, case.model, maps)
+
+        start = perf_counter()
+        made = local_radiance(geometry, shade)
+        context().finish()
+        print("local radiance", perf_counter() - start, geometry.first_sight)
+        return made
+
+    def _shading(
+        self, fragment: str, material: Material, model: Model, sides: frozenset[str]
+    ) -> moderngl.Program:
+        how = self.technique
+        defines = features(material, model, how.diffuse, how.forced) | sides
+        if how.interreflection:
+            defines |= {"INTERREFLECTION"}
+        return program("fullscreen.vert", fragment, defines, how.shade, how.incoming)
+
+    def _read(self, material: Material, model: Model, maps: Maps) -> Maps:
+        """The maps that shading a material reads."""
+        how = self.technique
         if how.own_table(model):
             maps = maps | {"table_smith": smith_table(material).texture}
-        maps = maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}
-        raster = program("mesh.vert", "surface.frag")
-        sides = frozenset({"ANTIALIASED"}) if how.msaa else frozenset()
-        shading = program("fullscreen.vert", "surface_shade.frag", defines | sides, how.shade)
-        uniforms = {
-            **frame,
-            **placed(obj, camera),
-            "number": number,
+        return maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}
+
+    def _uniforms(self, material: Material) -> dict[str, Any]:
+        how = self.technique
+        return {
             "albedo": material.diffuse_albedo,
             "f0": material.specular_f0,
             "alpha": material.alpha,
@@ -130,9 +188,6 @@ class Renderer:
             "prefilter_levels": float(LEVELS),
             "coverage_samples": how.msaa,
         }
-        vertices = vertex_array(obj.mesh, raster)
-        touched = within(covered((obj,), camera, size), part)
-        return Draw(vertices, raster, shading, uniforms, maps, culled(obj, camera), touched)
 
 
 def _pixel_area(camera: View, case: Case) -> float:

@@ -60,6 +60,8 @@ class Technique:
             them, and have at least one each.
         msaa: coverage samples per pixel, box-filtered; 0 for none.
         supersample: whole pixels drawn per pixel and axis, box-filtered.
+        occlusion: what stands in the light's way is baked at vertices and takes it away.
+        interreflection: and sends its own light instead, baked there too.
         filtered: look each sample up in a mip as large as its share of directions; without,
             the result has no bias and all of the noise.
         diffuse: with the diffuse lobe's light; without, only the specular lobes' is left.
@@ -73,10 +75,17 @@ class Technique:
     samples: int = 0
     msaa: int = 4
     supersample: int = 1
+    occlusion: bool = False
+    interreflection: bool = False
     filtered: bool = True
     diffuse: bool = True
     fine: tuple[str, ...] = ()
     forced: tuple[str, ...] = ()
+
+    @property
+    def incoming(self) -> str:
+        """The shader file that says what light comes from a direction."""
+        return "incoming_baked.glsl" if self.occlusion else "incoming_open.glsl"
 
     @property
     def sets(self) -> int:
@@ -111,6 +120,10 @@ TECHNIQUES = {
     "paper": Technique("paper", "shade_paper.glsl"),
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
+    "shadowed": Technique("shadowed", "shade_sampled.glsl", samples=256, occlusion=True),
+    "lit": Technique(
+        "lit", "shade_sampled.glsl", samples=256, occlusion=True, interreflection=True
+    ),
 }
 
 

@@ -10,16 +10,22 @@ from renderer.context import context
 from renderer.glsl import SHADERS, place_of, source
 from scenes.errors import InputError
 
+Maps = dict[str, moderngl.Texture]  # by the names of their samplers in GLSL
+
 REMEDY = "mend the shader"
 _PLACE = re.compile(r"(?:ERROR: )?\d+[:(](\d+)[^:]*:\s*(?:error[^:]*:\s*)?(.+)")
 
 
 @cache
 def program(
-    vertex: str, fragment: str, defines: frozenset[str] = frozenset(), shade: str = ""
+    vertex: str,
+    fragment: str,
+    defines: frozenset[str] = frozenset(),
+    shade: str = "",
+    incoming: str = "",
 ) -> moderngl.Program:
-    """A program from two shader files; `shade` stands in for the included shade.glsl."""
-    parts = {"shade.glsl": shade}
+    """A program from two shader files; `shade` and `incoming` stand in for files of these names."""
+    parts = {"shade.glsl": shade, "incoming.glsl": incoming}
     return compiled(source(vertex), source(fragment, defines, parts), str(SHADERS / fragment))
 
 

@@ -9,9 +9,9 @@ import moderngl
 
 from renderer.context import context
 from renderer.precompute import brdf_table, irradiance, prefilter, radiance
+from renderer.program import Maps
 from scenes.schema import file_digest
 
-Maps = dict[str, moderngl.Texture]
 BASE = "radiance_map"
 # Each maker takes the radiance map and the names of what is wanted, and returns just that.
 MAKERS: dict[str, Callable[[moderngl.Texture, Collection[str]], Maps]] = {

@@ -1,5 +1,5 @@
 #include "brdf.glsl"
-#include "radiance.glsl"
+#include "incoming.glsl"
 #include "picture.glsl"
 #include "frame.glsl"
 #include "hammersley.glsl"
@@ -34,12 +34,12 @@ float sample_density(vec3 wi, vec3 wo, Material m, ivec3 count) {
     return density;
 }
 
-vec3 incident(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec3 count, float sharers) {
+vec3 sample_light(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec3 count, float sharers) {
     if (wi.z <= 0.0) return vec3(0.0);
     float density = sample_density(wi, wo, m, count);
     if (density <= 0.0) return vec3(0.0);
     vec3 world = to_world * wi;
-    return brdf(wi, wo, m) * wi.z / density * radiance(world, radiance_lod(world, density, sharers));
+    return brdf(wi, wo, m) * wi.z / density * incoming(world, radiance_lod(world, density, sharers));
 }
 
 // Two fractions that differ from pixel to pixel: Jarzynski and Olano 2020, pcg3d.
@@ -70,19 +70,19 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
 #ifdef D_GGX
     for (int i = 0; i < count.x; ++i) {
         vec2 u = sample_point(i, count.x, set, sets, shift);
-        L += incident(reflect(-wo, sample_ggx(u, m.alpha)), wo, to_world, m, count, sharers);
+        L += sample_light(reflect(-wo, sample_ggx(u, m.alpha)), wo, to_world, m, count, sharers);
     }
 #endif
 #ifdef D_BECKMANN
     for (int i = 0; i < count.y; ++i) {
         vec2 u = sample_point(i, count.y, set, sets, shift);
-        L += incident(reflect(-wo, sample_beckmann(u, m.alpha)), wo, to_world, m, count, sharers);
+        L += sample_light(reflect(-wo, sample_beckmann(u, m.alpha)), wo, to_world, m, count, sharers);
     }
 #endif
 #ifdef DIFFUSE
     for (int i = 0; i < count.z; ++i) {
         vec2 u = sample_point(i, count.z, set, sets, shift);
-        L += incident(sample_cosine(u), wo, to_world, m, count, sharers);
+        L += sample_light(sample_cosine(u), wo, to_world, m, count, sharers);
     }
 #endif
     return L;

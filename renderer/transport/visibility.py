@@ -1,0 +1,90 @@
+"""What each vertex of a scene sees of the scene: a bit per direction, and whom it sees."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from renderer.transport.directions import cell_directions
+from renderer.transport.rays import Rays
+from renderer.transport.tessellation import Tessellation
+
+SIDE = 32  # cells of the octahedral map that has a bit each
+SEEN = 8  # and of the coarser one that names what is seen
+PER_SEEN = (SIDE // SEEN) ** 2  # fine cells in a coarse one; they follow one another
+CHUNK = 1024  # vertices traced together
+LIFT = 1e-4  # of the scene's size: how far rays start from the surface
+FRONT_LEVELS = 3  # the share of blocked directions that meet a front is kept in thirds
+VERTEX = np.uint32(0xFFFFFF)  # the bits that name one
+NOBODY = np.uint32(0xFFFFFFFF)
+
+
+@dataclass(frozen=True, eq=False)
+class Visibility:
+    """Of all vertices of a scene, counted through its objects.
+
+    Attributes:
+        open: (n, SIDE² / 32) uint32, bit c of word w: nothing stands in direction 32 w + c.
+        seen: (n, SEEN²) uint32: a vertex in the lower 24 bits, that stands for what blocks the
+            view in a coarse direction; in bits 24 to 29 the fine cell within the coarse one in
+            which it stands; in bits 30 and 31 the share of what blocks the coarse cell that shows
+            its front, in thirds. NOBODY where nothing blocks or nothing shows its front.
+    """
+
+    open: np.ndarray
+    seen: np.ndarray
+
+
+def bake(objects: list[Tessellation]) -> Visibility:
+    """Trace every vertex's half of the directions; those below its horizon are blocked."""
+    vertices = np.concatenate([t.vertices for t in objects])
+    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    size = np.ptp(vertices, axis=0).max()
+    normals = np.concatenate([t.normals for t in objects])
+    first = np.cumsum([0, *(len(t.vertices) for t in objects)])
+    corners = np.concatenate([t.faces + n for t, n in zip(objects, first, strict=False)])
+    facing = np.cross(*(vertices[corners[:, k]] - vertices[corners[:, 0]] for k in (1, 2)))
+    rays = Rays(objects, middle)
+    starts = vertices - middle + LIFT * size * normals
+    parts = [
+        _traced(rays, starts[k : k + CHUNK], normals[k : k + CHUNK], corners, facing)
+        for k in range(0, len(vertices), CHUNK)
+    ]
+    return Visibility(*(np.concatenate(of) for of in zip(*parts, strict=True)))
+
+
+def _traced(
+    rays: Rays, starts: np.ndarray, normals: np.ndarray, corners: np.ndarray, facing: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    directions = cell_directions(SIDE, SEEN)
+    who, where = np.nonzero(normals @ directions.T > 0)
+    d = directions[where].astype(np.float32)
+    hits = rays.first(starts[who].astype(np.float32), d)
+    free = np.zeros((len(starts), SIDE * SIDE), bool)
+    free[who, where] = hits.triangle < 0
+    words = np.packbits(free, axis=1, bitorder="little").view(np.uint32)
+    blocked = hits.triangle >= 0
+    who, where, d = who[blocked], where[blocked], d[blocked]
+    triangle, u, v = (x[blocked] for x in (hits.triangle, hits.u, hits.v))
+    front = (facing[triangle] * d).sum(axis=1) < 0
+    nearest = np.argmax(np.stack([1 - u - v, u, v], axis=1), axis=1)
+    corner = corners[triangle, nearest].astype(np.uint32)
+    return words, _seen(len(starts), who, where, front, corner)
+
+
+def _seen(
+    count: int, who: np.ndarray, where: np.ndarray, front: np.ndarray, corner: np.ndarray
+) -> np.ndarray:
+    """For each vertex and coarse cell the middle one of the fronts that block it."""
+    key = who * SEEN**2 + where // PER_SEEN
+    blocked = np.bincount(key, minlength=count * SEEN**2)
+    key, where, corner = key[front], where[front], corner[front]
+    shown = np.bincount(key, minlength=count * SEEN**2)
+    order = np.argsort(key, kind="stable")
+    begins = np.cumsum(shown) - shown
+    full = np.flatnonzero(shown)
+    chosen = order[begins[full] + shown[full] // 2]
+    within = (where[chosen] % PER_SEEN).astype(np.uint32)
+    share = np.ceil(FRONT_LEVELS * shown[full] / blocked[full]).astype(np.uint32)
+    seen = np.full(count * SEEN**2, NOBODY)
+    seen[full] = corner[chosen] | within << 24 | share << 30
+    return seen.reshape(count, SEEN**2)
