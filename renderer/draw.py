@@ -1,6 +1,6 @@
 """Draw a case with a technique."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -17,14 +17,14 @@ from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.prefilter import LEVELS
 from renderer.program import Maps, program
 from renderer.targets import Rectangle, make_target, within
-from renderer.transport.scene import SceneGeometry, local_radiance, scene_geometry
+from renderer.transport.exchange import exchange
+from renderer.transport.scene import SceneGeometry, scene_geometry
 from renderer.view import View, covered, view
 from scenes.frame import Frame
 from scenes.schema import Case, Material, Model, Object
 
 REPEATS = 5
-AT_VERTEX = frozenset({"AT_VERTEX"})
-LOCAL_SAMPLES = 16  # directions for the light of each surface that another one sees
+RAY_OFFSET = 2e-5  # of the scene's size: how far rays start from their triangle
 TIMING_SECONDS = 0.4  # slow techniques are timed over fewer frames
 
 
@@ -96,11 +96,17 @@ class Renderer:
         }
         if geometry:
             maps = maps | geometry.maps
-            frame |= {"eye": camera.eye - geometry.middle}
+            frame |= {
+                "eye": camera.eye - geometry.middle,
+                "ray_offset": RAY_OFFSET * geometry.size,
+            }
         if self.technique.interreflection:
-            maps = maps | {"local_radiance": self._local_radiance(case, geometry, frame, maps)}
+            start = perf_counter()
+            maps = maps | self._exchanged(case, geometry, turn, maps)
+            context().finish()
+            print("exchange", perf_counter() - start, geometry.vertices, geometry.sights)
         draws = [
-            self._draw(number, obj, case.model, camera, size, part, frame, maps, geometry)
+            self._draw(number, obj, case, camera, size, part, frame, maps, geometry)
             for number, obj in enumerate(case.objects, start=1)
         ]
         around = covered(case.objects, camera, size)
@@ -113,7 +119,7 @@ class Renderer:
         self,
         number: int,
         obj: Object,
-        model: Model,
+        case: Case,
         camera: View,
         size: tuple[int, int],
         part: Rectangle,
@@ -122,7 +128,7 @@ class Renderer:
         geometry: SceneGeometry | None,
     ) -> Draw:
         how = self.technique
-        maps = self._read(obj.material, model, maps)
+        maps = self._read(obj.material, case.model, maps)
         sides = {"ANTIALIASED"} if how.msaa else set()
         if geometry:
             sides.add("PLACED")
@@ -135,37 +141,36 @@ class Renderer:
         else:
             raster = program("mesh.vert", "surface.frag")
             array, where = vertex_array(obj.mesh, raster), placed(obj, camera)
-        shading = self._shading("surface_shade.frag", obj.material, model, frozenset(sides))
+        shading = self._shading(obj.material, case, frozenset(sides))
         uniforms = frame | where | self._uniforms(obj.material) | {"number": number}
         touched = within(covered((obj,), camera, size), part)
         return Draw(array, raster, shading, uniforms, maps, culled(obj, camera), touched)
 
-    def _local_radiance(
-        self, case: Case, geometry: SceneGeometry, frame: dict[str, Any], maps: Maps
-    ) -> moderngl.Texture:
-        """What the scene's surfaces send one another, shaded by few directions each."""
-        few = replace(self, technique=replace(self.technique, samples=LOCAL_SAMPLES, msaa=0))
+    def _exchanged(self, case: Case, geometry: SceneGeometry, turn: float, maps: Maps) -> Maps:
+        """What the scene's surfaces send one another, with their materials."""
+        rows = [
+            [*m.diffuse_albedo, m.alpha, *m.specular_f0, m.weight, m.masking_weight, 0, 0, 0]
+            for m in (o.material for o in case.objects)
+        ]
+        data = np.array(rows, np.float32).tobytes()
+        materials = context().texture((3, len(rows)), 4, data, dtype="f4")
+        maps = {"radiance_map": maps["radiance_map"], "materials": materials}
+        made = exchange(geometry, {"environment_turn": turn}, maps, self._union(case))
+        return made | {"materials": materials}
 
-        def shade(number: int) -> tuple[moderngl.Program, dict[str, Any], Maps]:
-            material = case.objects[number].material
-            drawn = few._shading("local_radiance.frag", material, case.model, AT_VERTEX)
-            uniforms = frame | few._uniforms(material)
-            return drawn, uniforms, few._read(material, case.model, maps)
+    def _union(self, case: Case) -> frozenset[str]:
+        """The features that any object needs, for what may reflect any of them."""
+        every = (features(o.material, case.model, self.technique.diffuse) for o in case.objects)
+        return frozenset({"INTERREFLECTION"}).union(*every)
 
-        start = perf_counter()
-        made = local_radiance(geometry, shade)
-        context().finish()
-        print("local radiance", perf_counter() - start, geometry.first_sight)
-        return made
-
-    def _shading(
-        self, fragment: str, material: Material, model: Model, sides: frozenset[str]
-    ) -> moderngl.Program:
+    def _shading(self, material: Material, case: Case, sides: frozenset[str]) -> moderngl.Program:
         how = self.technique
-        defines = features(material, model, how.diffuse, how.forced) | sides
+        defines = features(material, case.model, how.diffuse, how.forced) | sides
+        incoming = how.incoming(material)
         if how.interreflection:
-            defines |= {"INTERREFLECTION"}
-        return program("fullscreen.vert", fragment, defines, how.shade, how.incoming)
+            reflects_any = incoming == "incoming_traced.glsl"
+            defines |= self._union(case) if reflects_any else {"INTERREFLECTION"}
+        return program("fullscreen.vert", "surface_shade.frag", defines, how.shade, incoming)
 
     def _read(self, material: Material, model: Model, maps: Maps) -> Maps:
         """The maps that shading a material reads."""
@@ -183,8 +188,8 @@ class Renderer:
             "weight_d": (material.weight, 1 - material.weight),
             "weight_g": (material.masking_weight, 1 - material.masking_weight),
             "light_sharers": how.supersample**2 if how.filtered else 1e9,
-            "set_samples": split_samples(material, how.samples_per_set),
-            "pixel_samples": split_samples(material, how.samples_per_set * how.sets),
+            "set_samples": split_samples(material, how.per_set(material)),
+            "pixel_samples": split_samples(material, how.per_set(material) * how.sets),
             "prefilter_levels": float(LEVELS),
             "coverage_samples": how.msaa,
         }

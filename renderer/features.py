@@ -39,6 +39,11 @@ LOBES = (
 # Mesa's llvmpipe ends the loops of a shader, silently, after 65,535 turns in all.
 MOST_SAMPLES = 65_000
 
+# Lobes narrower than the cells of what is baked, in alpha, are traced.
+TRACED = 0.03
+# Rays a pixel: each may visit hundreds of nodes, and of all loops' turns there are 65,535.
+MOST_RAYS = 16
+
 FINE = "_fine"  # ends the names of maps made much more finely than a technique would
 
 # What the shaders can draw of a model. Truths cover all of it.
@@ -82,10 +87,20 @@ class Technique:
     fine: tuple[str, ...] = ()
     forced: tuple[str, ...] = ()
 
-    @property
-    def incoming(self) -> str:
+    def incoming(self, material: Material) -> str:
         """The shader file that says what light comes from a direction."""
-        return "incoming_baked.glsl" if self.occlusion else "incoming_open.glsl"
+        if not self.occlusion:
+            return "incoming_open.glsl"
+        return "incoming_traced.glsl" if self.traces(material) else "incoming_baked.glsl"
+
+    def traces(self, material: Material) -> bool:
+        """Whether rays are traced for a material, where others read what is baked."""
+        return self.occlusion and material.alpha < TRACED
+
+    def per_set(self, material: Material) -> int:
+        """Directions of a material in each set of a drawn pixel."""
+        samples = min(self.samples, MOST_RAYS) if self.traces(material) else self.samples
+        return -(-samples // (self.supersample**2 * self.sets))
 
     @property
     def sets(self) -> int:

@@ -11,11 +11,27 @@ int octahedral_cell(vec3 d) {
     return (coarse.y * SEEN + coarse.x) * PER_SEEN + fine.y * PER_SIDE + fine.x;
 }
 
-// The direction through the middle of a cell.
+// The direction of a place in the unit square.
+vec3 octahedral_point(vec2 place) {
+    vec2 p = 2.0 * place - 1.0;
+    float z = 1.0 - abs(p.x) - abs(p.y), fold = max(-z, 0.0);
+    return normalize(vec3(p - vec2(p.x < 0.0 ? -fold : fold, p.y < 0.0 ? -fold : fold), z));
+}
+
+// The directions through the middles of a fine and of a coarse cell.
 vec3 octahedral_direction(int index) {
     int coarse = index / PER_SEEN, fine = index % PER_SEEN;
     ivec2 cell = ivec2(coarse % SEEN, coarse / SEEN) * PER_SIDE + ivec2(fine % PER_SIDE, fine / PER_SIDE);
-    vec2 p = (vec2(cell) + 0.5) / float(SIDE) * 2.0 - 1.0;
-    float z = 1.0 - abs(p.x) - abs(p.y), fold = max(-z, 0.0);
-    return normalize(vec3(p - vec2(p.x < 0.0 ? -fold : fold, p.y < 0.0 ? -fold : fold), z));
+    return octahedral_point((vec2(cell) + 0.5) / float(SIDE));
+}
+
+vec3 coarse_direction(int coarse) {
+    return octahedral_point((vec2(coarse % SEEN, coarse / SEEN) + 0.5) / float(SEEN));
+}
+
+// The solid angle of a cell around a direction, but for a factor: the octahedron's faces are all
+// equally far, so it falls as the cube of the distance.
+float octahedral_share(vec3 d) {
+    float nearness = abs(d.x) + abs(d.y) + abs(d.z);
+    return nearness * nearness * nearness;
 }

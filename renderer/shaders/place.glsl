@@ -1,15 +1,10 @@
 #include "eye_ray.glsl"
-#include "rows.glsl"
+#include "corners.glsl"
 
 // Where in the scene a pixel's surface lies: its triangle, and the point on it that the pixel's
 // centre shows.
-uniform usampler2D corners;  // of each triangle, xyz
 uniform sampler2D positions; // of each vertex, from the scene's middle
 uniform vec3 eye;            // from there too
-
-uvec3 corners_of(uint triangle) {
-    return texelFetch(corners, row_texel(int(triangle)), 0).xyz;
-}
 
 vec3 position_of(uint vertex) {
     return texelFetch(positions, row_texel(int(vertex)), 0).xyz;

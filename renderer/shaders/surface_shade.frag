@@ -19,6 +19,7 @@ layout(location = 0) out vec4 colour;
 #ifdef PLACED
 #include "place.glsl"
 uniform TRIANGLES triangles;
+uniform float ray_offset; // in front of the triangle, so that it does not hit itself
 #endif
 
 vec4 surface_at(ivec2 pixel, int i) {
@@ -32,12 +33,12 @@ vec4 surface_at(ivec2 pixel, int i) {
 // Tells the shading where it happens: on the triangle of a coverage sample.
 void place(ivec2 pixel, int i, vec3 ray) {
 #ifdef PLACED
-    uvec3 corners = corners_of(texelFetch(triangles, pixel, i).x);
-    vec3 weights = weights_at(corners, ray);
-    for (int k = 0; k < 3; ++k) {
-        here_vertices[k] = corners[k];
-        here_weights[k] = weights[k];
-    }
+    uvec3 corner = corners_of(int(texelFetch(triangles, pixel, i).x)).xyz;
+    here_vertices = uint[](corner.x, corner.y, corner.z);
+    here_weights = weights_at(corner, ray);
+    vec3 a = position_of(corner.x), b = position_of(corner.y), c = position_of(corner.z);
+    here_point = mat3(a, b, c) * here_weights;
+    here_point += ray_offset * normalize(cross(b - a, c - a));
 #endif
 }
 

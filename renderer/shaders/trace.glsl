@@ -9,6 +9,7 @@ struct Hit {
     float t;       // in lengths of the direction; huge where nothing is hit
     int triangle;  // counted through the scene
     vec3 weights;  // barycentric
+    bool front;    // seen from outside
 };
 
 const float FAR = 1e30;
@@ -31,12 +32,12 @@ void meet_triangle(int slot, vec3 origin, vec3 direction, inout Hit hit) {
     float inverse = 1.0 / dot(e1, p); // infinite where they are parallel: no u is within [0, 1]
     float u = dot(s, p) * inverse, v = dot(direction, q) * inverse, t = dot(e2, q) * inverse;
     if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < hit.t) {
-        hit = Hit(t, int(a.w), vec3(1.0 - u - v, u, v));
+        hit = Hit(t, int(a.w), vec3(1.0 - u - v, u, v), inverse > 0.0);
     }
 }
 
 Hit trace(vec3 origin, vec3 direction) {
-    Hit hit = Hit(FAR, -1, vec3(0.0));
+    Hit hit = Hit(FAR, -1, vec3(0.0), false);
     vec3 inverse = 1.0 / direction;
     int node = 0, end = int(texelFetch(bvh_nodes, ivec2(0), 0).w);
     while (node < end) {

@@ -37,7 +37,8 @@ def build(corners: np.ndarray) -> Bvh:
         high_end = np.where(held, parts, -np.inf).max(axis=1)
         spread = high_end - parts.min(axis=1)  # of a part that is empty -inf, on every axis
         key = np.take_along_axis(parts, spread.argmax(axis=1)[:, None, None], axis=2)[..., 0]
-        turn = np.argsort(key, axis=1, kind="stable") + np.arange(1 << level)[:, None] * key.shape[1]
+        turn = np.argsort(key, axis=1, kind="stable")
+        turn += np.arange(1 << level)[:, None] * key.shape[1]
         order, at = order[turn.ravel()], at[turn.ravel()]
     low = np.where(order[:, None] >= 0, low[order], np.inf).reshape(-1, LEAF, 3).min(axis=1)
     high = np.where(order[:, None] >= 0, high[order], -np.inf).reshape(-1, LEAF, 3).max(axis=1)

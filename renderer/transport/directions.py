@@ -5,6 +5,15 @@ Row and column of a cell grow with y and x; the upper half (z > 0) is the square
 """
 
 import numpy as np
+from scipy.spatial import cKDTree
+
+AROUND = 13  # cells that hold a cell's neighbours on all sides, and itself
+
+
+def cells_around(side: int, coarse: int) -> np.ndarray:
+    """The cells nearest to each, (side², AROUND), the cell itself among them."""
+    directions = cell_directions(side, coarse)
+    return cKDTree(directions).query(directions, k=min(AROUND, len(directions)))[1]
 
 
 def cell_directions(side: int, coarse: int) -> np.ndarray:

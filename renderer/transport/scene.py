@@ -1,6 +1,5 @@
-"""A scene's baked visibility on the GPU, and the light that its surfaces send one another."""
+"""A scene's baked geometry on the GPU."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -8,15 +7,14 @@ import moderngl
 import numpy as np
 
 from renderer.context import context
-from renderer.program import Maps, bind_maps, fill, set_uniforms
-from renderer.targets import release
+from renderer.program import Maps
 from renderer.transport import stored
+from renderer.transport.bvh import build
 from renderer.transport.tessellation import Tessellation, tessellate
 from renderer.transport.visibility import NOBODY, SEEN, VERTEX, Visibility, bake
 from scenes.schema import Case
 
 ROW = 4096  # as in shaders/rows.glsl
-BOUNCES = 3  # of light between surfaces; what is left of it is a hundredth of it on silver
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,19 +22,21 @@ class SceneGeometry:
     """What depends on a scene's geometry alone.
 
     Attributes:
-        maps: `open_bits`, `sights`, `sight_index`, `corners`, `positions`, `normals`, by their
-            names in GLSL.
+        maps: by their names in GLSL.
         middle: (3,) float64, world; positions are from there.
         buffers: vertices (position, normal: 6 float32) and indices (uint32) of each object.
         first_triangle: of each object, counted through the scene.
-        first_sight: the first sight of each object by another surface; last, how many there are.
+        vertices, sights: how many there are.
+        size: of the scene's bounding box, its longest side.
     """
 
     maps: Maps
     middle: np.ndarray
     buffers: list[tuple[moderngl.Buffer, moderngl.Buffer]]
     first_triangle: list[int]
-    first_sight: list[int]
+    vertices: int
+    sights: int
+    size: float
 
 
 def scene_geometry(case: Case) -> SceneGeometry:
@@ -53,16 +53,21 @@ def _loaded(_key: str, case: Case) -> SceneGeometry:
     first_vertex = np.cumsum([0, *(len(t.vertices) for t in objects)]).tolist()
     first_triangle = np.cumsum([0, *(len(t.faces) for t in objects)]).tolist()
     corners = np.concatenate([t.faces + n for t, n in zip(objects, first_vertex, strict=False)])
+    vertex_of = np.repeat(np.arange(len(objects)), [len(t.vertices) for t in objects])
+    triangle_of = np.repeat(np.arange(len(objects)), [len(t.faces) for t in objects])
+    points = np.float32(vertices - middle)
     sights, index = _sights(visibility.seen)
     gl = context()
     return SceneGeometry(
         maps={
             "open_bits": _rows(visibility.open.reshape(-1, 1), "u4"),
+            "clear_bits": _rows(visibility.clear.reshape(-1, 1), "u4"),
             "sights": _rows(sights, "u4"),
             "sight_index": _rows(index, "u4"),
-            "corners": _rows(_four(corners.astype(np.uint32)), "u4"),
-            "positions": _rows(_four(np.float32(vertices - middle)), "f4"),
-            "normals": _rows(_four(normals), "f4"),
+            "corners": _rows(_four(corners.astype(np.uint32), triangle_of), "u4"),
+            "positions": _rows(_four(points), "f4"),
+            "normals": _rows(_four(normals, vertex_of), "f4"),
+            **_tree(points[corners]),
         },
         middle=middle,
         buffers=[
@@ -73,8 +78,22 @@ def _loaded(_key: str, case: Case) -> SceneGeometry:
             for t in objects
         ],
         first_triangle=first_triangle,
-        first_sight=np.searchsorted(sights[:, 0] & VERTEX, first_vertex).tolist(),
+        vertices=len(vertices),
+        sights=len(sights),
+        size=float(np.ptp(points, axis=0).max()),
     )
+
+
+def _tree(triangles: np.ndarray) -> Maps:
+    """The textures of a hierarchy over triangles (n, 3, 3)."""
+    tree = build(triangles)
+    at = np.where(tree.order[:, None, None] >= 0, triangles[tree.order], 0)
+    rows = np.stack([at[:, 0], at[:, 1] - at[:, 0], at[:, 2] - at[:, 0]], axis=1)
+    numbers = np.repeat(tree.order, 3).astype(np.float32)
+    return {
+        "bvh_nodes": _rows(tree.nodes.reshape(-1, 4), "f4"),
+        "bvh_triangles": _rows(_four(rows.reshape(-1, 3), numbers), "f4"),
+    }
 
 
 def _sights(seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -95,40 +114,10 @@ def _made(case: Case) -> tuple[list[Tessellation], Visibility]:
     return objects, bake(objects)
 
 
-def local_radiance(
-    geometry: SceneGeometry, shade: Callable[[int, Maps], tuple[moderngl.Program, dict, Maps]]
-) -> moderngl.Texture:
-    """The radiance of each sight, RGBA float16, row by row.
-
-    Args:
-        shade: for an object, the program local_radiance.frag with its uniforms and maps.
-    """
-    first = geometry.first_sight
-    size = (ROW, max(-(-first[-1] // ROW), 1))
-    gl = context()
-    textures = [gl.texture(size, 4, dtype="f2") for _ in range(2)]
-    targets = [gl.framebuffer([t]) for t in textures]
-    for target in targets:
-        target.clear()
-    for bounce in range(BOUNCES):
-        target, last = targets[bounce % 2], textures[(bounce + 1) % 2]
-        for number in range(len(geometry.buffers)):
-            program, uniforms, maps = shade(number)
-            begin, end = first[number : number + 2]
-            set_uniforms(program, **uniforms, sight_range=(begin, end))
-            bind_maps(program, maps | geometry.maps | {"local_radiance": last})
-            gl.enable_only(moderngl.NOTHING)
-            rows = begin // ROW, -(-end // ROW)
-            fill(target, program, (0, rows[0], ROW, max(rows[1] - rows[0], 1)))
-    kept = (BOUNCES - 1) % 2
-    release(*targets)
-    textures[1 - kept].release()
-    return textures[kept]
-
-
-def _four(rows: np.ndarray) -> np.ndarray:
-    """Rows (n, 3) with a fourth column of zeros."""
-    return np.hstack([rows, np.zeros((len(rows), 1), rows.dtype)])
+def _four(rows: np.ndarray, last: np.ndarray | int = 0) -> np.ndarray:
+    """Rows (n, 3) with a fourth column."""
+    fourth = np.broadcast_to(np.asarray(last, rows.dtype), len(rows))
+    return np.hstack([rows, fourth[:, None]])
 
 
 def _rows(values: np.ndarray, dtype: str, filler: int = 0) -> moderngl.Texture:

@@ -12,7 +12,7 @@ from renderer.transport.tessellation import Tessellation
 from renderer.transport.visibility import SEEN, SIDE, Visibility
 from scenes.schema import PRIMITIVES, Case, file_digest
 
-VERSION = 1  # raised when the same scene would be baked otherwise
+VERSION = 2  # raised when the same scene would be baked otherwise
 
 
 def folder() -> Path:
@@ -41,7 +41,7 @@ def baked(name: str, make: Callable[[], Baked]) -> Baked:
     path = folder() / f"{name}.npz"
     if not path.exists():
         objects, visibility = make()
-        arrays = {"open": visibility.open, "seen": visibility.seen}
+        arrays = {"open": visibility.open, "clear": visibility.clear, "seen": visibility.seen}
         for k, t in enumerate(objects):
             arrays |= {f"vertices{k}": t.vertices, f"normals{k}": t.normals, f"faces{k}": t.faces}
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -54,4 +54,4 @@ def baked(name: str, make: Callable[[], Baked]) -> Baked:
             Tessellation(*(arrays[f"{part}{k}"] for part in ("vertices", "normals", "faces")))
             for k in range(count)
         ]
-        return objects, Visibility(arrays["open"], arrays["seen"])
+        return objects, Visibility(arrays["open"], arrays["clear"], arrays["seen"])

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from renderer.transport.directions import cell_directions
+from renderer.transport.directions import cell_directions, cells_around
 from renderer.transport.rays import Rays
 from renderer.transport.tessellation import Tessellation
 
@@ -24,6 +24,8 @@ class Visibility:
 
     Attributes:
         open: (n, SIDE² / 32) uint32, bit c of word w: nothing stands in direction 32 w + c.
+        clear: the same, where nothing stands in the cells around either: a ray there surely
+            misses everything.
         seen: (n, SEEN²) uint32: a vertex in the lower 24 bits, that stands for what blocks the
             view in a coarse direction; in bits 24 to 29 the fine cell within the coarse one in
             which it stands; in bits 30 and 31 the share of what blocks the coarse cell that shows
@@ -31,6 +33,7 @@ class Visibility:
     """
 
     open: np.ndarray
+    clear: np.ndarray
     seen: np.ndarray
 
 
@@ -54,21 +57,25 @@ def bake(objects: list[Tessellation]) -> Visibility:
 
 def _traced(
     rays: Rays, starts: np.ndarray, normals: np.ndarray, corners: np.ndarray, facing: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     directions = cell_directions(SIDE, SEEN)
     who, where = np.nonzero(normals @ directions.T > 0)
     d = directions[where].astype(np.float32)
     hits = rays.first(starts[who].astype(np.float32), d)
     free = np.zeros((len(starts), SIDE * SIDE), bool)
     free[who, where] = hits.triangle < 0
-    words = np.packbits(free, axis=1, bitorder="little").view(np.uint32)
     blocked = hits.triangle >= 0
     who, where, d = who[blocked], where[blocked], d[blocked]
     triangle, u, v = (x[blocked] for x in (hits.triangle, hits.u, hits.v))
     front = (facing[triangle] * d).sum(axis=1) < 0
     nearest = np.argmax(np.stack([1 - u - v, u, v], axis=1), axis=1)
     corner = corners[triangle, nearest].astype(np.uint32)
-    return words, _seen(len(starts), who, where, front, corner)
+    clear = np.logical_and.reduce([free[:, near] for near in cells_around(SIDE, SEEN).T])
+    return _words(free), _words(clear), _seen(len(starts), who, where, front, corner)
+
+
+def _words(bits: np.ndarray) -> np.ndarray:
+    return np.packbits(bits, axis=1, bitorder="little").view(np.uint32)
 
 
 def _seen(

@@ -1,0 +1,53 @@
+#include "radiance.glsl"
+#include "octahedral.glsl"
+#include "rows.glsl"
+
+// Where light is asked for, set before shading: the vertices around, the point's weights among them,
+// and where rays start.
+uint here_vertices[3];
+vec3 here_weights;
+vec3 here_point;
+
+uniform usampler2D open_bits;
+#ifdef INTERREFLECTION
+uniform usampler2D sight_index;   // of each vertex and coarse direction, or all ones
+uniform sampler2D local_radiance; // of each sight
+#endif
+
+bool bit(usampler2D bits, uint vertex, int cell) {
+    uint word = texelFetch(bits, row_texel(int(vertex) * (SIDE * SIDE / 32) + (cell >> 5)), 0).x;
+    return (word >> uint(cell & 31) & 1u) != 0u;
+}
+
+// What shines on a vertex from a coarse direction, out of what is not open.
+vec3 sight_of(uint vertex, int coarse) {
+#ifdef INTERREFLECTION
+    uint sight = texelFetch(sight_index, row_texel(int(vertex) * (SEEN * SEEN) + coarse), 0).x;
+    if (sight != 0xFFFFFFFFu) return texelFetch(local_radiance, row_texel(int(sight)), 0).rgb;
+#endif
+    return vec3(0.0);
+}
+
+// How much of a coarse direction is open at a vertex.
+float open_share(uint vertex, int coarse) {
+    int first = coarse * PER_SEEN;
+    uint word = texelFetch(open_bits, row_texel(int(vertex) * (SIDE * SIDE / 32) + (first >> 5)), 0).x;
+    uint bits = word >> uint(first & 31) & 0xFFFFu; // PER_SEEN of them
+    bits -= bits >> 1u & 0x5555u;
+    bits = (bits & 0x3333u) + (bits >> 2u & 0x3333u);
+    bits = bits + (bits >> 4u) & 0x0F0Fu;
+    return float((bits & 0xFFu) + (bits >> 8u)) / float(PER_SEEN);
+}
+
+// The light from a direction, by what was baked at the vertices around.
+vec3 baked(vec3 world, float lod) {
+    int cell = octahedral_cell(world);
+    vec3 L = vec3(0.0);
+    float visibility = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        if (bit(open_bits, here_vertices[k], cell)) visibility += here_weights[k];
+        else L += here_weights[k] * sight_of(here_vertices[k], cell / PER_SEEN);
+    }
+    if (visibility > 0.0) L += visibility * radiance(world, lod);
+    return L;
+}

@@ -1,0 +1,67 @@
+#include "brdf.glsl"
+#include "density.glsl"
+#include "frame.glsl"
+#include "here.glsl"
+#include "hammersley.glsl"
+#include "sample_ggx.glsl"
+#include "sample_beckmann.glsl"
+
+// What a surface sends to another one: coarsely, since it is seen through a reflection.
+uniform sampler2D materials;  // of each object: albedo, alpha; F0, share of GGX in D; in G
+uniform sampler2D normals;    // of each vertex
+uniform sampler2D irradiance; // of each vertex, of all that shines on it
+const int FEW = 8;            // directions of the specular lobe
+
+Material material_of(int object) {
+    vec4 a = texelFetch(materials, ivec2(0, object), 0), b = texelFetch(materials, ivec2(1, object), 0);
+    vec4 c = texelFetch(materials, ivec2(2, object), 0);
+    return Material(a.rgb, b.rgb, a.a, vec2(b.a, 1.0 - b.a), vec2(c.r, 1.0 - c.r));
+}
+
+// The share of diffuse light that leaves towards v, 1 - F(h.wi) averaged over wi by its cosine.
+vec3 diffuse_share(vec3 f0, float cos_theta) {
+    // (1 - h.wi)^5 averages to .0477 at normal incidence and to .26 at grazing; between them it
+    // goes as (1 - cos)^3, within .006.
+    float m = 1.0 - cos_theta;
+    return (1.0 - f0) * (1.0 - mix(0.0477, 0.26, m * m * m));
+}
+
+vec3 direction_of(vec3 wo, int i, ivec3 count, float alpha) {
+    vec2 u = i < count.x ? hammersley(uint(i), uint(count.x)) : hammersley(uint(i - count.x), uint(count.y));
+#if defined(D_GGX) && defined(D_BECKMANN)
+    return reflect(-wo, i < count.x ? sample_ggx(u, alpha) : sample_beckmann(u, alpha));
+#elif defined(D_GGX)
+    return reflect(-wo, sample_ggx(u, alpha));
+#else
+    return reflect(-wo, sample_beckmann(u, alpha));
+#endif
+}
+
+// Towards v, from where the `here_` variables say.
+vec3 surface_light(vec3 v, int object) {
+    vec3 n = vec3(0.0), E = vec3(0.0);
+    for (int k = 0; k < 3; ++k) {
+        ivec2 texel = row_texel(int(here_vertices[k]));
+        n += here_weights[k] * texelFetch(normals, texel, 0).xyz;
+        E += here_weights[k] * texelFetch(irradiance, texel, 0).rgb;
+    }
+    n = normalize(n);
+    float cos_theta = dot(n, v);
+    if (cos_theta <= 0.0) return vec3(0.0);
+    Material m = material_of(object);
+    vec3 L = diffuse_share(m.f0, cos_theta) * m.albedo * INV_PI * E;
+    m.albedo = vec3(0.0);
+    mat3 to_world = tangent_frame(n);
+    vec3 wo = v * to_world;
+    ivec3 count = ivec3(round(float(FEW) * m.weight_d), 0);
+    count.y = FEW - count.x;
+    for (int i = 0; i < FEW; ++i) {
+        vec3 wi = direction_of(wo, i, count, m.alpha);
+        if (wi.z <= 0.0) continue;
+        float density = sample_density(wi, wo, m, count);
+        if (density <= 0.0) continue;
+        vec3 world = to_world * wi;
+        L += brdf(wi, wo, m) * wi.z / density * baked(world, radiance_lod(world, density, 1.0));
+    }
+    return L;
+}

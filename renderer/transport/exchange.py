@@ -1,0 +1,51 @@
+"""The light that a scene's surfaces send one another, bounce by bounce."""
+
+from typing import Any
+
+import moderngl
+
+from renderer.context import context
+from renderer.program import Maps, bind_maps, fill, program, set_uniforms
+from renderer.targets import release
+from renderer.transport.scene import ROW, SceneGeometry
+
+BOUNCES = 3  # of light between surfaces
+
+
+def exchange(
+    geometry: SceneGeometry, uniforms: dict[str, Any], maps: Maps, defines: frozenset[str]
+) -> Maps:
+    """The maps `irradiance` of each vertex and `local_radiance` of each sight, row by row.
+
+    Args:
+        uniforms, maps: of the environment and the materials.
+        defines: the features that any of the materials needs.
+    """
+    gl = context()
+    sides = {"irradiance": geometry.vertices, "local_radiance": geometry.sights}
+    pairs = {
+        name: [gl.texture((ROW, max(-(-count // ROW), 1)), 4, dtype="f4") for _ in range(2)]
+        for name, count in sides.items()
+    }
+    targets = {name: [gl.framebuffer([t]) for t in pair] for name, pair in pairs.items()}
+    for target in targets["local_radiance"]:
+        target.clear()
+    shaders = {
+        "irradiance": program("fullscreen.vert", "vertex_irradiance.frag", defines),
+        "local_radiance": program("fullscreen.vert", "local_radiance.frag", defines),
+    }
+    now = {name: pair[0] for name, pair in pairs.items()}
+    gl.enable_only(moderngl.NOTHING)
+    for bounce in range(BOUNCES):
+        for name, shader in shaders.items():
+            side = (bounce + 1) % 2
+            set_uniforms(shader, **uniforms, sight_count=geometry.sights)
+            bind_maps(shader, maps | geometry.maps | now)
+            fill(targets[name][side], shader)
+            now = now | {name: pairs[name][side]}
+    for name, both in targets.items():
+        release(*both)
+        for texture in pairs[name]:
+            if texture is not now[name]:
+                texture.release()
+    return now
