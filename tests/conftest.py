@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -29,6 +30,15 @@ def pytest_unconfigure(config):
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(config.stash[STATUS])
+
+
+@pytest.fixture(autouse=True)
+def _users_results_stay():
+    """No test may touch what `make compare` left for its user in reports/out."""
+    folder = Path(__file__).parents[1] / "reports/out"
+    before = folder.stat().st_mtime_ns if folder.exists() else None
+    yield
+    assert (folder.stat().st_mtime_ns if folder.exists() else None) == before
 
 
 @pytest.fixture

@@ -19,11 +19,13 @@ def shadeproof(tmp_path_factory):
     import contextlib
     import io
 
-    store = tmp_path_factory.mktemp("store")
+    store, folder = tmp_path_factory.mktemp("store"), tmp_path_factory.mktemp("out")
 
     def call(*words):
         takes_store = words[0] in ("compare", "gate", "references", "bench")
         own = ["--store", store] if takes_store and "--store" not in words else []
+        if words[0] in ("compare", "gate", "bench") and "--out" not in words:
+            own += ["--out", folder]
         argv = ["shadeproof", *map(str, (*words, *own))]
         out, err = io.StringIO(), io.StringIO()
         before, sys.argv = sys.argv, argv
