@@ -13,6 +13,7 @@ from renderer.features import FINE, Technique, features, split_samples
 from renderer.objects import culled, object_ids, placed, placed_in_world, vertex_array
 from renderer.passes import Draw, Prepared, draw_frame
 from renderer.precompute import precomputed
+from renderer.precompute.blurred import light_uniforms
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.prefilter import LEVELS
 from renderer.program import Maps, program
@@ -94,6 +95,8 @@ class Renderer:
             "picture_corner": part[:2],
             "picture_size": size,
         }
+        if "lights_map" in self.technique.reads:
+            frame |= light_uniforms(maps["lights_map"], turn)
         if geometry:
             maps = maps | geometry.maps
             frame |= {
@@ -102,7 +105,7 @@ class Renderer:
             }
         if self.technique.interreflection:
             start = perf_counter()
-            maps = maps | self._exchanged(case, geometry, turn, maps)
+            maps = maps | self._exchanged(case, geometry, frame, maps)
             context().finish()
             print("exchange", perf_counter() - start, geometry.vertices, geometry.sights)
         draws = [
@@ -141,12 +144,14 @@ class Renderer:
         else:
             raster = program("mesh.vert", "surface.frag")
             array, where = vertex_array(obj.mesh, raster), placed(obj, camera)
-        shading = self._shading(obj.material, case, frozenset(sides))
+        shading = self._shading(obj.material, case, frozenset(sides) | _lights(frame))
         uniforms = frame | where | self._uniforms(obj.material) | {"number": number}
         touched = within(covered((obj,), camera, size), part)
         return Draw(array, raster, shading, uniforms, maps, culled(obj, camera), touched)
 
-    def _exchanged(self, case: Case, geometry: SceneGeometry, turn: float, maps: Maps) -> Maps:
+    def _exchanged(
+        self, case: Case, geometry: SceneGeometry, frame: dict[str, Any], maps: Maps
+    ) -> Maps:
         """What the scene's surfaces send one another, with their materials."""
         rows = [
             [*m.diffuse_albedo, m.alpha, *m.specular_f0, m.weight, m.masking_weight, 0, 0, 0]
@@ -154,8 +159,8 @@ class Renderer:
         ]
         data = np.array(rows, np.float32).tobytes()
         materials = context().texture((3, len(rows)), 4, data, dtype="f4")
-        maps = {"radiance_map": maps["radiance_map"], "materials": materials}
-        made = exchange(geometry, {"environment_turn": turn}, maps, self._union(case))
+        maps = maps | {"materials": materials}
+        made = exchange(geometry, frame, maps, self._union(case) | _lights(frame))
         return made | {"materials": materials}
 
     def _union(self, case: Case) -> frozenset[str]:
@@ -193,6 +198,11 @@ class Renderer:
             "prefilter_levels": float(LEVELS),
             "coverage_samples": how.msaa,
         }
+
+
+def _lights(frame: dict[str, Any]) -> frozenset[str]:
+    """The feature that shades lights, where the environment has any."""
+    return frozenset({"LIGHTS"} if "light_count" in frame else ())
 
 
 def _pixel_area(camera: View, case: Case) -> float:

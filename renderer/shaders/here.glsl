@@ -1,4 +1,4 @@
-#include "radiance.glsl"
+#include "environment.glsl"
 #include "octahedral.glsl"
 #include "rows.glsl"
 
@@ -39,15 +39,31 @@ float open_share(uint vertex, int coarse) {
     return float((bits & 0xFFu) + (bits >> 8u)) / float(PER_SEEN);
 }
 
-// The light from a direction, by what was baked at the vertices around.
-vec3 baked(vec3 world, float lod) {
+// Other surfaces' light from a direction, by what was baked at the vertices around; `visibility` is
+// the share of these from which it is open.
+vec3 baked_surfaces(vec3 world, inout float visibility) {
     int cell = octahedral_cell(world);
     vec3 L = vec3(0.0);
-    float visibility = 0.0;
     for (int k = 0; k < 3; ++k) {
         if (bit(open_bits, here_vertices[k], cell)) visibility += here_weights[k];
         else L += here_weights[k] * sight_of(here_vertices[k], cell / PER_SEEN);
     }
-    if (visibility > 0.0) L += visibility * radiance(world, lod);
     return L;
+}
+
+vec3 baked(vec3 world, float lod) {
+    float visibility = 0.0;
+    vec3 L = baked_surfaces(world, visibility);
+    if (visibility > 0.0) L += visibility * environment(world, lod);
+    return L;
+}
+
+// The share of the vertices around from which a direction is open.
+float baked_visibility(vec3 world) {
+    int cell = octahedral_cell(world);
+    float visibility = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        if (bit(open_bits, here_vertices[k], cell)) visibility += here_weights[k];
+    }
+    return visibility;
 }

@@ -1,30 +1,31 @@
 #include "here.glsl"
+#include "clear.glsl"
 #include "corners.glsl"
 #include "trace.glsl"
 #include "surface_light.glsl"
 
-// The light that comes from a direction, for lobes finer than what is baked: a ray, except where
-// every vertex around surely sees nothing there.
-uniform usampler2D clear_bits;
-
+// What arrives from a direction, for lobes finer than what is baked: a ray tells, except where
+// nothing can be there.
 vec3 incoming(vec3 world, float lod) {
-    int cell = octahedral_cell(world);
-    bool clear = bit(clear_bits, here_vertices[0], cell) && bit(clear_bits, here_vertices[1], cell)
-        && bit(clear_bits, here_vertices[2], cell);
-    if (clear) return radiance(world, lod);
+    if (clear(world)) return environment(world, lod);
     Hit hit = trace(here_point, world);
-    if (hit.triangle < 0) return radiance(world, lod);
+    if (hit.triangle < 0) return environment(world, lod);
+    vec3 L = vec3(0.0);
 #ifdef INTERREFLECTION
     uint from[3] = here_vertices;
     vec3 weights = here_weights;
     uvec4 corner = corners_of(hit.triangle);
     here_vertices = uint[](corner.x, corner.y, corner.z);
     here_weights = hit.weights;
-    vec3 L = hit.front ? surface_light(-world, int(corner.w)) : vec3(0.0);
+    if (hit.front) L = surface_light(-world, int(corner.w), 0.0);
     here_vertices = from;
     here_weights = weights;
-    return L;
-#else
-    return vec3(0.0);
 #endif
+    return L;
+}
+
+float light_visibility(int light, vec3 world) {
+    if (clear(world)) return 1.0;
+    if (light >= TRACED_LIGHTS) return baked_visibility(world);
+    return trace(here_point, world).triangle < 0 ? 1.0 : 0.0;
 }

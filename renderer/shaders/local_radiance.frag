@@ -4,6 +4,7 @@
 // one, the radiance from there.
 uniform usampler2D sights;  // x as transport/visibility.py packs it, y the coarse direction
 uniform int sight_count;
+const float SIGHT = 4.0 * PI / float(SEEN * SEEN); // the solid angle that one stands for
 layout(location = 0) out vec4 colour;
 
 void main() {
@@ -15,5 +16,5 @@ void main() {
     here_vertices = uint[](vertex, vertex, vertex);
     here_weights = vec3(1.0, 0.0, 0.0);
     int object = int(texelFetch(normals, row_texel(int(vertex)), 0).w);
-    colour = vec4(surface_light(v, object) * (float(sight.x >> 30u) / 3.0), 1.0);
+    colour = vec4(surface_light(v, object, SIGHT) * (float(sight.x >> 30u) / 3.0), 1.0);
 }

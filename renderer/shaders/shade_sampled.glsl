@@ -1,6 +1,5 @@
 #include "brdf.glsl"
-#include "density.glsl"
-#include "incoming.glsl"
+#include "radiance.glsl"
 #include "picture.glsl"
 #include "frame.glsl"
 #include "hammersley.glsl"
@@ -14,12 +13,33 @@ uniform ivec3 pixel_samples; // GGX, Beckmann, cosine, where a pixel has one sha
 uniform ivec3 set_samples;   // and for each shading point where it has more
 uniform float light_sharers; // how many such pixels make one of the picture; huge for no filter
 
-vec3 sample_light(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec3 count, float sharers) {
+float pdf_half_vector(float D, vec3 h, float wo_h) {
+    return D * h.z / (4.0 * wo_h);
+}
+
+// Density of all samples together, per steradian; integrates to their number.
+float sample_density(vec3 wi, vec3 wo, Material m, ivec3 count) {
+    float wo_h = 0.5 * length(wi + wo); // as in brdf.glsl: f and density err alike and cancel
+    vec3 h = (wi + wo) / (2.0 * wo_h);
+    float density = 0.0;
+#ifdef D_GGX
+    density += float(count.x) * pdf_half_vector(D_ggx(h, m.alpha), h, wo_h);
+#endif
+#ifdef D_BECKMANN
+    density += float(count.y) * pdf_half_vector(D_beckmann(h, m.alpha), h, wo_h);
+#endif
+#ifdef DIFFUSE
+    density += float(count.z) * wi.z * INV_PI;
+#endif
+    return density;
+}
+
+vec3 incident(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec3 count, float sharers) {
     if (wi.z <= 0.0) return vec3(0.0);
     float density = sample_density(wi, wo, m, count);
     if (density <= 0.0) return vec3(0.0);
     vec3 world = to_world * wi;
-    return brdf(wi, wo, m) * wi.z / density * incoming(world, radiance_lod(world, density, sharers));
+    return brdf(wi, wo, m) * wi.z / density * radiance(world, radiance_lod(world, density, sharers));
 }
 
 // Two fractions that differ from pixel to pixel: Jarzynski and Olano 2020, pcg3d.
@@ -50,19 +70,19 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
 #ifdef D_GGX
     for (int i = 0; i < count.x; ++i) {
         vec2 u = sample_point(i, count.x, set, sets, shift);
-        L += sample_light(reflect(-wo, sample_ggx(u, m.alpha)), wo, to_world, m, count, sharers);
+        L += incident(reflect(-wo, sample_ggx(u, m.alpha)), wo, to_world, m, count, sharers);
     }
 #endif
 #ifdef D_BECKMANN
     for (int i = 0; i < count.y; ++i) {
         vec2 u = sample_point(i, count.y, set, sets, shift);
-        L += sample_light(reflect(-wo, sample_beckmann(u, m.alpha)), wo, to_world, m, count, sharers);
+        L += incident(reflect(-wo, sample_beckmann(u, m.alpha)), wo, to_world, m, count, sharers);
     }
 #endif
 #ifdef DIFFUSE
     for (int i = 0; i < count.z; ++i) {
         vec2 u = sample_point(i, count.z, set, sets, shift);
-        L += sample_light(sample_cosine(u), wo, to_world, m, count, sharers);
+        L += incident(sample_cosine(u), wo, to_world, m, count, sharers);
     }
 #endif
     return L;

@@ -37,8 +37,17 @@ vec3 direction_of(vec3 wo, int i, ivec3 count, float alpha) {
 #endif
 }
 
-// Towards v, from where the `here_` variables say.
-vec3 surface_light(vec3 v, int object) {
+// Of the environment with its lights, blurred over a sample's share of directions.
+vec3 baked_light(vec3 world, float density) {
+    float visibility = 0.0;
+    vec3 L = baked_surfaces(world, visibility);
+    if (visibility > 0.0) L += visibility * radiance(world, radiance_lod(world, density, 1.0));
+    return L;
+}
+
+// Towards v and the directions in a solid angle of `share` around it, from where the `here_`
+// variables say.
+vec3 surface_light(vec3 v, int object, float share) {
     vec3 n = vec3(0.0), E = vec3(0.0);
     for (int k = 0; k < 3; ++k) {
         ivec2 texel = row_texel(int(here_vertices[k]));
@@ -61,7 +70,7 @@ vec3 surface_light(vec3 v, int object) {
         float density = sample_density(wi, wo, m, count);
         if (density <= 0.0) continue;
         vec3 world = to_world * wi;
-        L += brdf(wi, wo, m) * wi.z / density * baked(world, radiance_lod(world, density, 1.0));
+        L += brdf(wi, wo, m) * wi.z / density * baked_light(world, 1.0 / (1.0 / density + share));
     }
     return L;
 }
