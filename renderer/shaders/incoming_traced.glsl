@@ -17,7 +17,7 @@ vec3 incoming(vec3 world, float lod) {
     uvec4 corner = corners_of(hit.triangle);
     here_vertices = uint[](corner.x, corner.y, corner.z);
     here_weights = hit.weights;
-    if (hit.front) L = surface_light(-world, int(corner.w), 0.0);
+    if (hit.front) L = surface_light(-world, int(corner.w), 0, 1, 0.0);
     here_vertices = from;
     here_weights = weights;
 #endif

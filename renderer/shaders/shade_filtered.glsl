@@ -70,5 +70,5 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
 #ifdef LIGHTS
     L += lights(wo, to_world, m, count, sharers);
 #endif
-    return L;
+    return max(L, 0.0); // the blur's kernels dip below zero around what is bright
 }

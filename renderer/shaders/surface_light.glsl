@@ -10,7 +10,7 @@
 uniform sampler2D materials;  // of each object: albedo, alpha; F0, share of GGX in D; in G
 uniform sampler2D normals;    // of each vertex
 uniform sampler2D irradiance; // of each vertex, of all that shines on it
-const int FEW = 8;            // directions of the specular lobe
+const int FEW = 8;            // directions of the specular lobe, shared by its observers
 
 Material material_of(int object) {
     vec4 a = texelFetch(materials, ivec2(0, object), 0), b = texelFetch(materials, ivec2(1, object), 0);
@@ -26,10 +26,12 @@ vec3 diffuse_share(vec3 f0, float cos_theta) {
     return (1.0 - f0) * (1.0 - mix(0.0477, 0.26, m * m * m));
 }
 
+// Direction i of those that the lobes share out by `count`.
 vec3 direction_of(vec3 wo, int i, ivec3 count, float alpha) {
-    vec2 u = i < count.x ? hammersley(uint(i), uint(count.x)) : hammersley(uint(i - count.x), uint(count.y));
+    bool ggx = i < count.x;
+    vec2 u = ggx ? hammersley(uint(i), uint(count.x)) : hammersley(uint(i - count.x), uint(count.y));
 #if defined(D_GGX) && defined(D_BECKMANN)
-    return reflect(-wo, i < count.x ? sample_ggx(u, alpha) : sample_beckmann(u, alpha));
+    return reflect(-wo, ggx ? sample_ggx(u, alpha) : sample_beckmann(u, alpha));
 #elif defined(D_GGX)
     return reflect(-wo, sample_ggx(u, alpha));
 #else
@@ -46,8 +48,8 @@ vec3 baked_light(vec3 world, float density) {
 }
 
 // Towards v and the directions in a solid angle of `share` around it, from where the `here_`
-// variables say.
-vec3 surface_light(vec3 v, int object, float share) {
+// variables say. Of several observers each takes its own part of the lobe's directions.
+vec3 surface_light(vec3 v, int object, int observer, int observers, float share) {
     vec3 n = vec3(0.0), E = vec3(0.0);
     for (int k = 0; k < 3; ++k) {
         ivec2 texel = row_texel(int(here_vertices[k]));
@@ -64,13 +66,14 @@ vec3 surface_light(vec3 v, int object, float share) {
     vec3 wo = v * to_world;
     ivec3 count = ivec3(round(float(FEW) * m.weight_d), 0);
     count.y = FEW - count.x;
-    for (int i = 0; i < FEW; ++i) {
+    vec3 specular = vec3(0.0);
+    for (int i = observer; i < FEW; i += observers) {
         vec3 wi = direction_of(wo, i, count, m.alpha);
         if (wi.z <= 0.0) continue;
         float density = sample_density(wi, wo, m, count);
         if (density <= 0.0) continue;
         vec3 world = to_world * wi;
-        L += brdf(wi, wo, m) * wi.z / density * baked_light(world, 1.0 / (1.0 / density + share));
+        specular += brdf(wi, wo, m) * wi.z / density * baked_light(world, 1.0 / (1.0 / density + share));
     }
-    return L;
+    return L + float(observers) * specular;
 }

@@ -11,7 +11,7 @@ from renderer.program import Maps
 from renderer.transport import stored
 from renderer.transport.bvh import build
 from renderer.transport.tessellation import Tessellation, tessellate
-from renderer.transport.visibility import NOBODY, SEEN, VERTEX, Visibility, bake
+from renderer.transport.visibility import NOBODY, VERTEX, WITNESSES, Visibility, bake
 from scenes.schema import Case
 
 ROW = 4096  # as in shaders/rows.glsl
@@ -97,16 +97,16 @@ def _tree(triangles: np.ndarray) -> Maps:
 
 
 def _sights(seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sights (n, 2) uint32 by the vertex that is seen, and where to find them, (vertices SEEN², 1).
+    """Sights (n, WITNESSES) uint32, and where to find them, (vertices SEEN², 1) uint32.
 
-    A sight is an entry of `seen` with its coarse direction.
+    Those that see the same stand together.
     """
-    seen = seen.ravel()
-    there = np.flatnonzero(seen != NOBODY)
-    there = there[np.argsort(seen[there] & VERTEX, kind="stable")]
+    seen = seen.reshape(-1, WITNESSES)
+    there = np.flatnonzero((seen != NOBODY).any(axis=1))
+    there = there[np.argsort(seen[there].min(axis=1) & VERTEX, kind="stable")]
     index = np.full((len(seen), 1), NOBODY)
     index[there, 0] = np.arange(len(there), dtype=np.uint32)
-    return np.stack([seen[there], (there % SEEN**2).astype(np.uint32)], axis=1), index
+    return seen[there], index
 
 
 def _made(case: Case) -> tuple[list[Tessellation], Visibility]:
@@ -120,10 +120,10 @@ def _four(rows: np.ndarray, last: np.ndarray | int = 0) -> np.ndarray:
     return np.hstack([rows, fourth[:, None]])
 
 
-def _rows(values: np.ndarray, dtype: str, filler: int = 0) -> moderngl.Texture:
+def _rows(values: np.ndarray, dtype: str) -> moderngl.Texture:
     """A texture ROW wide that holds values (n, components) one after the other."""
     height = max(-(-len(values) // ROW), 1)
-    whole = np.full((height * ROW, values.shape[1]), filler, values.dtype)
+    whole = np.zeros((height * ROW, values.shape[1]), values.dtype)
     whole[: len(values)] = values
     texture = context().texture((ROW, height), values.shape[1], whole.tobytes(), dtype=dtype)
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)

@@ -12,7 +12,7 @@ from renderer.transport.tessellation import Tessellation
 from renderer.transport.visibility import SEEN, SIDE, Visibility
 from scenes.schema import PRIMITIVES, Case, file_digest
 
-VERSION = 2  # raised when the same scene would be baked otherwise
+VERSION = 3  # raised when the same scene would be baked otherwise
 
 
 def folder() -> Path:

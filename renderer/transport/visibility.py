@@ -13,8 +13,9 @@ SEEN = 8  # and of the coarser one that names what is seen
 PER_SEEN = (SIDE // SEEN) ** 2  # fine cells in a coarse one; they follow one another
 CHUNK = 1024  # vertices traced together
 LIFT = 1e-4  # of the scene's size: how far rays start from the surface
-FRONT_LEVELS = 3  # the share of blocked directions that meet a front is kept in thirds
-VERTEX = np.uint32(0xFFFFFF)  # the bits that name one
+WITNESSES = 4  # vertices that stand for what blocks a coarse direction
+VERTEX_BITS = 22  # of a witness; the rest names the fine cell that it stands in
+VERTEX = np.uint32((1 << VERTEX_BITS) - 1)
 NOBODY = np.uint32(0xFFFFFFFF)
 
 
@@ -26,10 +27,9 @@ class Visibility:
         open: (n, SIDE² / 32) uint32, bit c of word w: nothing stands in direction 32 w + c.
         clear: the same, where nothing stands in the cells around either: a ray there surely
             misses everything.
-        seen: (n, SEEN²) uint32: a vertex in the lower 24 bits, that stands for what blocks the
-            view in a coarse direction; in bits 24 to 29 the fine cell within the coarse one in
-            which it stands; in bits 30 and 31 the share of what blocks the coarse cell that shows
-            its front, in thirds. NOBODY where nothing blocks or nothing shows its front.
+        seen: (n, SEEN², WITNESSES) uint32: for a coarse direction some of the vertices that block
+            it, in the lower VERTEX_BITS, with the fine cell that each stands in above them.
+            NOBODY for what shows its back, which is black, and where nothing blocks.
     """
 
     open: np.ndarray
@@ -81,17 +81,14 @@ def _words(bits: np.ndarray) -> np.ndarray:
 def _seen(
     count: int, who: np.ndarray, where: np.ndarray, front: np.ndarray, corner: np.ndarray
 ) -> np.ndarray:
-    """For each vertex and coarse cell the middle one of the fronts that block it."""
+    """For each vertex and coarse cell some of what blocks it, spread evenly."""
     key = who * SEEN**2 + where // PER_SEEN
     blocked = np.bincount(key, minlength=count * SEEN**2)
-    key, where, corner = key[front], where[front], corner[front]
-    shown = np.bincount(key, minlength=count * SEEN**2)
-    order = np.argsort(key, kind="stable")
-    begins = np.cumsum(shown) - shown
-    full = np.flatnonzero(shown)
-    chosen = order[begins[full] + shown[full] // 2]
-    within = (where[chosen] % PER_SEEN).astype(np.uint32)
-    share = np.ceil(FRONT_LEVELS * shown[full] / blocked[full]).astype(np.uint32)
-    seen = np.full(count * SEEN**2, NOBODY)
-    seen[full] = corner[chosen] | within << 24 | share << 30
-    return seen.reshape(count, SEEN**2)
+    entry = np.where(front, corner | where.astype(np.uint32) << VERTEX_BITS, NOBODY)
+    entry = entry[np.argsort(key, kind="stable")]
+    full = np.flatnonzero(blocked)
+    begins = (np.cumsum(blocked) - blocked)[full]
+    pick = (2 * np.arange(WITNESSES) + 1) * blocked[full, None] // (2 * WITNESSES)
+    seen = np.full((count * SEEN**2, WITNESSES), NOBODY)
+    seen[full] = entry[begins[:, None] + pick]
+    return seen.reshape(count, SEEN**2, WITNESSES)
