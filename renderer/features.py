@@ -4,6 +4,8 @@ A technique names the features of a whole frame; a lobe is compiled in only for 
 that have it.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -87,6 +89,15 @@ class Technique:
     fine: tuple[str, ...] = ()
     forced: tuple[str, ...] = ()
     reads: tuple[str, ...] = ()
+
+    def matched(self, truth: str) -> Technique:
+        """This technique with what a truth leaves out switched off."""
+        light = truth not in ("unoccluded", "direct")
+        return replace(
+            self,
+            occlusion=self.occlusion and truth != "unoccluded",
+            interreflection=self.interreflection and light,
+        )
 
     def incoming(self, material: Material) -> str:
         """The shader file that says what light comes from a direction."""
