@@ -4,6 +4,8 @@
 #include "trace.glsl"
 #include "surface_light.glsl"
 
+const int FEW = 8; // directions of what a ray hits
+
 // What arrives from a direction, for lobes finer than what is baked: a ray tells, except where
 // nothing can be there.
 vec3 incoming(vec3 world, float lod) {
@@ -17,7 +19,7 @@ vec3 incoming(vec3 world, float lod) {
     uvec4 corner = corners_of(hit.triangle);
     here_vertices = uint[](corner.x, corner.y, corner.z);
     here_weights = hit.weights;
-    if (hit.front) L = surface_light(-world, int(corner.w), 0, 1, 0.0);
+    if (hit.front) L = surface_light(-world, int(corner.w), FEW, 0, 1, 0.0);
     here_vertices = from;
     here_weights = weights;
 #endif

@@ -10,7 +10,6 @@
 uniform sampler2D materials;  // of each object: albedo, alpha; F0, share of GGX in D; in G
 uniform sampler2D normals;    // of each vertex
 uniform sampler2D irradiance; // of each vertex, of all that shines on it
-const int FEW = 8;            // directions of the specular lobe, shared by its observers
 
 Material material_of(int object) {
     vec4 a = texelFetch(materials, ivec2(0, object), 0), b = texelFetch(materials, ivec2(1, object), 0);
@@ -48,8 +47,8 @@ vec3 baked_light(vec3 world, float density) {
 }
 
 // Towards v and the directions in a solid angle of `share` around it, from where the `here_`
-// variables say. Of several observers each takes its own part of the lobe's directions.
-vec3 surface_light(vec3 v, int object, int observer, int observers, float share) {
+// variables say, by `few` directions of the specular lobe. Of several observers each takes its own.
+vec3 surface_light(vec3 v, int object, int few, int observer, int observers, float share) {
     vec3 n = vec3(0.0), E = vec3(0.0);
     for (int k = 0; k < 3; ++k) {
         ivec2 texel = row_texel(int(here_vertices[k]));
@@ -64,10 +63,11 @@ vec3 surface_light(vec3 v, int object, int observer, int observers, float share)
     m.albedo = vec3(0.0);
     mat3 to_world = tangent_frame(n);
     vec3 wo = v * to_world;
-    ivec3 count = ivec3(round(float(FEW) * m.weight_d), 0);
-    count.y = FEW - count.x;
+    int all = few * observers;
+    ivec3 count = ivec3(round(float(all) * m.weight_d), 0);
+    count.y = all - count.x;
     vec3 specular = vec3(0.0);
-    for (int i = observer; i < FEW; i += observers) {
+    for (int i = observer; i < all; i += observers) {
         vec3 wi = direction_of(wo, i, count, m.alpha);
         if (wi.z <= 0.0) continue;
         float density = sample_density(wi, wo, m, count);

@@ -9,7 +9,8 @@ from renderer.program import Maps, bind_maps, fill, program, set_uniforms
 from renderer.targets import release
 from renderer.transport.scene import ROW, SceneGeometry
 
-BOUNCES = 3  # of light between surfaces
+# How many witnesses are asked, bounce by bounce: what they err is dimmed by all later ones.
+ASKED = (1, 1, 4)
 
 
 def exchange(
@@ -36,10 +37,10 @@ def exchange(
     }
     now = {name: pair[0] for name, pair in pairs.items()}
     gl.enable_only(moderngl.NOTHING)
-    for bounce in range(BOUNCES):
+    for bounce, asked in enumerate(ASKED):
         for name, shader in shaders.items():
             side = (bounce + 1) % 2
-            set_uniforms(shader, **uniforms, sight_count=geometry.sights)
+            set_uniforms(shader, **uniforms, sight_count=geometry.sights, asked=asked)
             bind_maps(shader, maps | geometry.maps | now)
             fill(targets[name][side], shader)
             now = now | {name: pairs[name][side]}
