@@ -150,9 +150,7 @@ TECHNIQUES = {
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
     "filtered": Technique("filtered", "shade_filtered.glsl", samples=64, reads=LIT),
-    "shadowed": Technique(
-        "shadowed", "shade_filtered.glsl", samples=64, reads=LIT, occlusion=True
-    ),
+    "shadowed": Technique("shadowed", "shade_filtered.glsl", samples=64, reads=LIT, occlusion=True),
     "best": Technique(
         "best",
         "shade_filtered.glsl",

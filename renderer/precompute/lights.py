@@ -92,7 +92,9 @@ def _directions(height: int, width: int, places: np.ndarray) -> np.ndarray:
     return np.stack([np.sin(phi) * np.sin(theta), np.cos(phi) * np.sin(theta), np.cos(theta)], 1)
 
 
-def _clusters(directions: np.ndarray, power: np.ndarray, most: int, least: float) -> list[np.ndarray]:
+def _clusters(
+    directions: np.ndarray, power: np.ndarray, most: int, least: float
+) -> list[np.ndarray]:
     """Indices of each cluster: the one that spreads its power most is halved, down to `least`."""
     if not len(power):
         return []

@@ -10,7 +10,7 @@ from renderer.targets import release
 from renderer.transport.scene import ROW, SceneGeometry
 
 # How many witnesses are asked, bounce by bounce: what they err is dimmed by all later ones.
-ASKED = (1, 1, 4)
+ASKED = (1, 1, 1, 1, 4)
 
 
 def exchange(

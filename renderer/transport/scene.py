@@ -11,7 +11,7 @@ from renderer.program import Maps
 from renderer.transport import stored
 from renderer.transport.bvh import build
 from renderer.transport.tessellation import Tessellation, tessellate
-from renderer.transport.visibility import NOBODY, VERTEX, WITNESSES, Visibility, bake
+from renderer.transport.visibility import NOBODY, VERTEX, Visibility, bake
 from scenes.schema import Case
 
 ROW = 4096  # as in shaders/rows.glsl
@@ -56,7 +56,7 @@ def _loaded(_key: str, case: Case) -> SceneGeometry:
     vertex_of = np.repeat(np.arange(len(objects)), [len(t.vertices) for t in objects])
     triangle_of = np.repeat(np.arange(len(objects)), [len(t.faces) for t in objects])
     points = np.float32(vertices - middle)
-    sights, index = _sights(visibility.seen)
+    sights, index = _sights(visibility)
     gl = context()
     return SceneGeometry(
         maps={
@@ -96,17 +96,16 @@ def _tree(triangles: np.ndarray) -> Maps:
     }
 
 
-def _sights(seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sights (n, WITNESSES) uint32, and where to find them, (vertices SEEN², 1) uint32.
+def _sights(visibility: Visibility) -> tuple[np.ndarray, np.ndarray]:
+    """Sights (m, WITNESSES) uint32, and where to find them, (vertices SEEN², 1) uint32.
 
-    Those that see the same stand together.
+    Those that see the same stand together: shaded in a row, they read the same.
     """
-    seen = seen.reshape(-1, WITNESSES)
-    there = np.flatnonzero((seen != NOBODY).any(axis=1))
-    there = there[np.argsort(seen[there].min(axis=1) & VERTEX, kind="stable")]
-    index = np.full((len(seen), 1), NOBODY)
-    index[there, 0] = np.arange(len(there), dtype=np.uint32)
-    return seen[there], index
+    order = np.argsort(visibility.sights.min(axis=1) & VERTEX, kind="stable")
+    index = np.full((visibility.seeing.size, 1), NOBODY)
+    there = np.flatnonzero(visibility.seeing)
+    index[there[order], 0] = np.arange(len(there), dtype=np.uint32)
+    return visibility.sights[order], index
 
 
 def _made(case: Case) -> tuple[list[Tessellation], Visibility]:

@@ -3,7 +3,9 @@
 import hashlib
 import json
 import os
+import zipfile
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +14,8 @@ from renderer.transport.tessellation import Tessellation
 from renderer.transport.visibility import SEEN, SIDE, Visibility
 from scenes.schema import PRIMITIVES, Case, file_digest
 
-VERSION = 3  # raised when the same scene would be baked otherwise
+MOST_BYTES = 4 << 30  # beyond it the bakes that were longest not used go
+VERSION = 4  # raised when the same scene would be baked otherwise
 
 
 def folder() -> Path:
@@ -23,9 +26,9 @@ def folder() -> Path:
 
 def key(case: Case) -> str:
     """Names the geometry of a case: its meshes by content, and where they stand."""
-    fields = {"mesh", "position", "rotate", "scale", "height"}
+    placing = {"mesh", "position", "rotate", "scale", "height"}
     placed = [
-        o.model_dump(mode="json", include=fields)
+        o.model_dump(mode="json", include=placing)
         | {"mesh": o.mesh if o.mesh in PRIMITIVES else file_digest(Path(o.mesh))}
         for o in case.objects
     ]
@@ -37,21 +40,38 @@ Baked = tuple[list[Tessellation], Visibility]
 
 
 def baked(name: str, make: Callable[[], Baked]) -> Baked:
-    """What is stored under a name; made and stored if it is not there."""
+    """What is stored under a name; made and stored if it is not there, or damaged."""
     path = folder() / f"{name}.npz"
-    if not path.exists():
+    try:
+        return _read(path)
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
         objects, visibility = make()
-        arrays = {"open": visibility.open, "clear": visibility.clear, "seen": visibility.seen}
-        for k, t in enumerate(objects):
-            arrays |= {f"vertices{k}": t.vertices, f"normals{k}": t.normals, f"faces{k}": t.faces}
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_suffix(f".{os.getpid()}.npz")
-        np.savez(partial, **arrays)
-        partial.replace(path)
+    arrays = vars(visibility) | {"seeing": np.packbits(visibility.seeing, axis=1)}
+    for k, of_one in enumerate(objects):
+        arrays |= {f"{part}{k}": array for part, array in vars(of_one).items()}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_suffix(f".{os.getpid()}.npz")
+    np.savez(partial, **arrays)
+    partial.replace(path)
+    _make_room(path)
+    return objects, visibility
+
+
+def _make_room(newest: Path) -> None:
+    """Drop what was longest not read, but never the newest."""
+    others = [p for p in newest.parent.glob("*.npz") if p != newest]
+    kept = newest.stat().st_size
+    for path in sorted(others, key=lambda p: p.stat().st_mtime, reverse=True):
+        kept += path.stat().st_size
+        if kept > MOST_BYTES:
+            path.unlink(missing_ok=True)
+
+
+def _read(path: Path) -> Baked:
     with np.load(path) as arrays:
         count = sum(name.startswith("faces") for name in arrays.files)
-        objects = [
-            Tessellation(*(arrays[f"{part}{k}"] for part in ("vertices", "normals", "faces")))
-            for k in range(count)
-        ]
-        return objects, Visibility(arrays["open"], arrays["clear"], arrays["seen"])
+        parts = [field.name for field in fields(Tessellation)]
+        objects = [Tessellation(*(arrays[f"{part}{k}"] for part in parts)) for k in range(count)]
+        held = {field.name: arrays[field.name] for field in fields(Visibility)}
+    path.touch()
+    return objects, Visibility(**held | {"seeing": np.unpackbits(held["seeing"], axis=1) > 0})

@@ -7,6 +7,7 @@ import numpy as np
 from renderer.transport.directions import cell_directions, cells_around
 from renderer.transport.rays import Rays
 from renderer.transport.tessellation import Tessellation
+from scenes.errors import InputError
 
 SIDE = 32  # cells of the octahedral map that has a bit each
 SEEN = 8  # and of the coarser one that names what is seen
@@ -15,6 +16,7 @@ CHUNK = 1024  # vertices traced together
 LIFT = 1e-4  # of the scene's size: how far rays start from the surface
 WITNESSES = 4  # vertices that stand for what blocks a coarse direction
 VERTEX_BITS = 22  # of a witness; the rest names the fine cell that it stands in
+MOST_VERTICES = 1_000_000  # which take about a gigabyte
 VERTEX = np.uint32((1 << VERTEX_BITS) - 1)
 NOBODY = np.uint32(0xFFFFFFFF)
 
@@ -27,19 +29,30 @@ class Visibility:
         open: (n, SIDE² / 32) uint32, bit c of word w: nothing stands in direction 32 w + c.
         clear: the same, where nothing stands in the cells around either: a ray there surely
             misses everything.
-        seen: (n, SEEN², WITNESSES) uint32: for a coarse direction some of the vertices that block
-            it, in the lower VERTEX_BITS, with the fine cell that each stands in above them.
-            NOBODY for what shows its back, which is black, and where nothing blocks.
+        seeing: (n, SEEN²) bool, whether something that shows its front blocks a coarse direction.
+        sights: (m, WITNESSES) uint32, for each of these, in order, some of the vertices that do:
+            in the lower VERTEX_BITS, with the fine cell that each stands in above them. NOBODY
+            for what shows its back, which is black.
     """
 
     open: np.ndarray
     clear: np.ndarray
-    seen: np.ndarray
+    seeing: np.ndarray
+    sights: np.ndarray
 
 
 def bake(objects: list[Tessellation]) -> Visibility:
-    """Trace every vertex's half of the directions; those below its horizon are blocked."""
+    """Trace every vertex's half of the directions; those below its horizon are blocked.
+
+    Raises:
+        InputError: there are more vertices than a witness can name.
+    """
     vertices = np.concatenate([t.vertices for t in objects])
+    if len(vertices) > MOST_VERTICES:
+        problem = (
+            f"{len(vertices):,} vertices are more than the {MOST_VERTICES:,} that can be baked"
+        )
+        raise InputError("scene", "objects", problem, "simplify a mesh, or draw without occlusion")
     middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     size = np.ptp(vertices, axis=0).max()
     normals = np.concatenate([t.normals for t in objects])
@@ -57,7 +70,7 @@ def bake(objects: list[Tessellation]) -> Visibility:
 
 def _traced(
     rays: Rays, starts: np.ndarray, normals: np.ndarray, corners: np.ndarray, facing: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, ...]:
     directions = cell_directions(SIDE, SEEN)
     who, where = np.nonzero(normals @ directions.T > 0)
     d = directions[where].astype(np.float32)
@@ -71,7 +84,7 @@ def _traced(
     nearest = np.argmax(np.stack([1 - u - v, u, v], axis=1), axis=1)
     corner = corners[triangle, nearest].astype(np.uint32)
     clear = np.logical_and.reduce([free[:, near] for near in cells_around(SIDE, SEEN).T])
-    return _words(free), _words(clear), _seen(len(starts), who, where, front, corner)
+    return _words(free), _words(clear), *_seen(len(starts), who, where, front, corner)
 
 
 def _words(bits: np.ndarray) -> np.ndarray:
@@ -80,8 +93,8 @@ def _words(bits: np.ndarray) -> np.ndarray:
 
 def _seen(
     count: int, who: np.ndarray, where: np.ndarray, front: np.ndarray, corner: np.ndarray
-) -> np.ndarray:
-    """For each vertex and coarse cell some of what blocks it, spread evenly."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """`seeing` and `sights` of some vertices: of what blocks a coarse cell, some evenly spread."""
     key = who * SEEN**2 + where // PER_SEEN
     blocked = np.bincount(key, minlength=count * SEEN**2)
     entry = np.where(front, corner | where.astype(np.uint32) << VERTEX_BITS, NOBODY)
@@ -89,6 +102,8 @@ def _seen(
     full = np.flatnonzero(blocked)
     begins = (np.cumsum(blocked) - blocked)[full]
     pick = (2 * np.arange(WITNESSES) + 1) * blocked[full, None] // (2 * WITNESSES)
-    seen = np.full((count * SEEN**2, WITNESSES), NOBODY)
-    seen[full] = entry[begins[:, None] + pick]
-    return seen.reshape(count, SEEN**2, WITNESSES)
+    sights = entry[begins[:, None] + pick]
+    shown = (sights != NOBODY).any(axis=1)
+    seeing = np.zeros(count * SEEN**2, bool)
+    seeing[full[shown]] = True
+    return seeing.reshape(count, SEEN**2), sights[shown]
