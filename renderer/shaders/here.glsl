@@ -28,17 +28,6 @@ vec3 sight_of(uint vertex, int coarse) {
     return vec3(0.0);
 }
 
-// How much of a coarse direction is open at a vertex.
-float open_share(uint vertex, int coarse) {
-    int first = coarse * PER_SEEN;
-    uint word = texelFetch(open_bits, row_texel(int(vertex) * (SIDE * SIDE / 32) + (first >> 5)), 0).x;
-    uint bits = word >> uint(first & 31) & 0xFFFFu; // PER_SEEN of them
-    bits -= bits >> 1u & 0x5555u;
-    bits = (bits & 0x3333u) + (bits >> 2u & 0x3333u);
-    bits = bits + (bits >> 4u) & 0x0F0Fu;
-    return float((bits & 0xFFu) + (bits >> 8u)) / float(PER_SEEN);
-}
-
 // Other surfaces' light from a direction, by what was baked at the vertices around; `visibility` is
 // the share of these from which it is open.
 vec3 baked_surfaces(vec3 world, inout float visibility) {

@@ -28,10 +28,3 @@ vec3 octahedral_direction(int index) {
 vec3 coarse_direction(int coarse) {
     return octahedral_point((vec2(coarse % SEEN, coarse / SEEN) + 0.5) / float(SEEN));
 }
-
-// The solid angle of a cell around a direction, but for a factor: the octahedron's faces are all
-// equally far, so it falls as the cube of the distance.
-float octahedral_share(vec3 d) {
-    float nearness = abs(d.x) + abs(d.y) + abs(d.z);
-    return nearness * nearness * nearness;
-}

@@ -19,10 +19,9 @@ Material material_of(int object) {
 
 // The share of diffuse light that leaves towards v, 1 - F(h.wi) averaged over wi by its cosine.
 vec3 diffuse_share(vec3 f0, float cos_theta) {
-    // (1 - h.wi)^5 averages to .0477 at normal incidence and to .26 at grazing; between them it
-    // goes as (1 - cos)^3, within .006.
+    // (1 - h.wi)^5 averages to .028 (1 - n.v)^3, within .0014.
     float m = 1.0 - cos_theta;
-    return (1.0 - f0) * (1.0 - mix(0.0477, 0.26, m * m * m));
+    return (1.0 - f0) * (1.0 - 0.028 * m * m * m);
 }
 
 // Direction i of those that the lobes share out by `count`.

@@ -3,27 +3,24 @@
 #ifdef LIGHTS
 #include "lights.glsl"
 #endif
-// All that shines on each vertex: the environment through what is open of each coarse direction,
-// and other surfaces' light through the rest.
+// All that shines on each vertex: the environment through what is open of each coarse direction, and
+// other surfaces' light through the rest.
 uniform sampler2D normals;
+uniform sampler2D flux; // of each vertex and coarse direction, as transport/visibility.py has it
+const float FLUX = 255.0 / 2040.0;
 layout(location = 0) out vec4 colour;
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     uint vertex = uint(texel.y * ROW + texel.x);
     vec3 n = texelFetch(normals, texel, 0).xyz, E = vec3(0.0);
-    float whole = 0.0, lod = incoming_lod(float(SEEN * SEEN) * 0.25 * INV_PI);
+    float lod = incoming_lod(float(SEEN * SEEN) * 0.25 * INV_PI);
     for (int coarse = 0; coarse < SEEN * SEEN; ++coarse) {
-        vec3 d = coarse_direction(coarse);
-        float weight = max(dot(n, d), 0.0) * octahedral_share(d);
-        if (weight == 0.0) continue;
-        float open = open_share(vertex, coarse);
-        vec3 L = (1.0 - open) * sight_of(vertex, coarse);
-        if (open > 0.0) L += open * environment(d, lod);
-        whole += weight;
-        E += weight * L;
+        vec2 through = texelFetch(flux, row_texel(int(vertex) * (SEEN * SEEN) + coarse), 0).xy;
+        if (through.x > 0.0) E += through.x * environment(coarse_direction(coarse), lod);
+        if (through.y > 0.0) E += through.y * sight_of(vertex, coarse);
     }
-    if (whole > 0.0) E *= PI / whole;
+    E *= PI * FLUX;
 #ifdef LIGHTS
     for (int i = 0; i < light_count; ++i) {
         vec3 d = light_towards[i].xyz;

@@ -16,6 +16,15 @@ def cells_around(side: int, coarse: int) -> np.ndarray:
     return cKDTree(directions).query(directions, k=min(AROUND, len(directions)))[1]
 
 
+def cell_shares(side: int, coarse: int) -> np.ndarray:
+    """The shares of the sphere that cells hold, (side²,).
+
+    The octahedron's faces are all equally far: a share falls as the cube of the distance to it.
+    """
+    shares = np.abs(cell_directions(side, coarse)).sum(axis=1) ** 3
+    return shares / shares.sum()
+
+
 def cell_directions(side: int, coarse: int) -> np.ndarray:
     """Unit directions through the middles of side x side cells, (side², 3).
 

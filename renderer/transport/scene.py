@@ -62,6 +62,7 @@ def _loaded(_key: str, case: Case) -> SceneGeometry:
         maps={
             "open_bits": _rows(visibility.open.reshape(-1, 1), "u4"),
             "clear_bits": _rows(visibility.clear.reshape(-1, 1), "u4"),
+            "flux": _rows(visibility.flux.reshape(-1, 2), "f1"),
             "sights": _rows(sights, "u4"),
             "sight_index": _rows(index, "u4"),
             "corners": _rows(_four(corners.astype(np.uint32), triangle_of), "u4"),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from renderer.transport.directions import cell_directions, cells_around
+from renderer.transport.directions import cell_directions, cell_shares, cells_around
 from renderer.transport.rays import Rays
 from renderer.transport.tessellation import Tessellation
 from scenes.errors import InputError
@@ -14,6 +14,7 @@ SEEN = 8  # and of the coarser one that names what is seen
 PER_SEEN = (SIDE // SEEN) ** 2  # fine cells in a coarse one; they follow one another
 CHUNK = 1024  # vertices traced together
 LIFT = 1e-4  # of the scene's size: how far rays start from the surface
+FLUX = 1 / 2040  # in the middle of a face of the octahedron a coarse cell's share is .106
 WITNESSES = 4  # vertices that stand for what blocks a coarse direction
 VERTEX_BITS = 22  # of a witness; the rest names the fine cell that it stands in
 MOST_VERTICES = 1_000_000  # which take about a gigabyte
@@ -29,6 +30,8 @@ class Visibility:
         open: (n, SIDE² / 32) uint32, bit c of word w: nothing stands in direction 32 w + c.
         clear: the same, where nothing stands in the cells around either: a ray there surely
             misses everything.
+        flux: (n, SEEN², 2) uint8, of a vertex's irradiance under even light the share that comes
+            through a coarse direction, in FLUX: where it is open, and where it is not.
         seeing: (n, SEEN²) bool, whether something that shows its front blocks a coarse direction.
         sights: (m, WITNESSES) uint32, for each of these, in order, some of the vertices that do:
             in the lower VERTEX_BITS, with the fine cell that each stands in above them. NOBODY
@@ -37,6 +40,7 @@ class Visibility:
 
     open: np.ndarray
     clear: np.ndarray
+    flux: np.ndarray
     seeing: np.ndarray
     sights: np.ndarray
 
@@ -84,7 +88,17 @@ def _traced(
     nearest = np.argmax(np.stack([1 - u - v, u, v], axis=1), axis=1)
     corner = corners[triangle, nearest].astype(np.uint32)
     clear = np.logical_and.reduce([free[:, near] for near in cells_around(SIDE, SEEN).T])
-    return _words(free), _words(clear), *_seen(len(starts), who, where, front, corner)
+    flux = _flux(free, normals @ directions.T)
+    return _words(free), _words(clear), flux, *_seen(len(starts), who, where, front, corner)
+
+
+def _flux(free: np.ndarray, cosines: np.ndarray) -> np.ndarray:
+    """The field `flux` from what is open, and each vertex's cosines of all directions."""
+    share = np.maximum(cosines, 0) * cell_shares(SIDE, SEEN)
+    share /= np.maximum(share.sum(axis=1, keepdims=True), 1e-30)
+    through = np.stack([share * free, share * ~free], axis=2)
+    through = through.reshape(len(free), SEEN**2, PER_SEEN, 2).sum(axis=2)
+    return np.round(through / FLUX).astype(np.uint8)
 
 
 def _words(bits: np.ndarray) -> np.ndarray:

@@ -9,11 +9,11 @@ from renderer.features import technique
 from renderer.probe import probe
 from renderer.transport import stored
 from renderer.transport.bvh import LEAF, build
-from renderer.transport.directions import cell_directions, cells_around
+from renderer.transport.directions import cell_directions, cell_shares, cells_around
 from renderer.transport.rays import Rays
 from renderer.transport.scene import _loaded, _tree, scene_geometry
 from renderer.transport.tessellation import Tessellation, tessellate
-from renderer.transport.visibility import NOBODY, PER_SEEN, SEEN, SIDE, VERTEX, bake
+from renderer.transport.visibility import FLUX, NOBODY, PER_SEEN, SEEN, SIDE, VERTEX, bake
 from scenes.schema import Camera, Material
 
 WHITE = Material(albedo=(1.0, 1.0, 1.0), f0=0.0, roughness=0.5, metallic=0.0)
@@ -64,11 +64,7 @@ def test_cells_are_the_same_in_glsl():
 
 
 def test_cells_cover_the_sphere_by_their_shares():
-    shares = probe(
-        "vec4(octahedral_share(d.xyz))", {"d": cell_directions(SIDE, SEEN)}, ("octahedral.glsl",)
-    )
-    weights = shares[:, 0] / shares[:, 0].sum()
-    d = cell_directions(SIDE, SEEN)
+    weights, d = cell_shares(SIDE, SEEN), cell_directions(SIDE, SEEN)
     np.testing.assert_allclose(weights @ d, 0, atol=1e-6)
     np.testing.assert_allclose(weights @ d**2, 1 / 3, atol=2e-3)
 
@@ -111,6 +107,9 @@ def test_the_plate_sees_as_much_of_the_ball_as_a_cone_holds(ball_and_plate):
     upper = d[:, 2] > 0
     np.testing.assert_array_equal(free[upper], beside[upper])
     assert not free[~upper].any()
+    # Form factor of a ball over a plate: (radius / distance)².
+    through = found.flux[nearest].sum(axis=0) * FLUX
+    np.testing.assert_allclose(through, [1 - 0.25, 0.25], atol=0.03)  # the rim cuts cells
     clear = np.unpackbits(found.clear[nearest].view(np.uint8), bitorder="little") > 0
     assert 0 < clear.sum() < free.sum() and not (clear & ~free).any()
 
