@@ -177,7 +177,7 @@ def test_a_white_bowl_in_a_furnace_vanishes(light, make_case, bowl):
     assert shown["shadowed"].rgb[inside].min() < 0.6
     # Seen flat on, Schlick's rim is over 1; deep inside some light is still under way.
     assert np.median(shown["best"].rgb[inside]) == pytest.approx(1, abs=0.03)
-    assert np.percentile(shown["best"].rgb[inside], 1) > 0.9
+    assert np.percentile(shown["best"].rgb[inside], 1) > 0.8
 
 
 def test_what_nothing_stands_around_is_drawn_as_without_occlusion(light, make_case, copper):
