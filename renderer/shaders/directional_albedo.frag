@@ -1,0 +1,46 @@
+#version 330
+#include "hammersley.glsl"
+#include "sample_ggx.glsl"
+#include "sample_visible_ggx.glsl"
+#include "beckmann_over_ggx.glsl"
+#include "mixture.glsl"
+#include "fresnel.glsl"
+#include "drawn_material.glsl"
+uniform int count;
+uniform float nodes; // along x
+layout(location = 0) out vec4 albedos;
+
+// What the specular lobe sends back of even light: rgb, and in a with F = 1. Row 1 holds F itself.
+// The node's n.wo is the square of its place: losses change most where wo grazes.
+void main() {
+    Material m = drawn_material();
+    float place = (gl_FragCoord.x - 0.5) / (nodes - 1.0), z = max(place * place, 1e-6);
+    if (gl_FragCoord.y > 1.0) {
+        albedos = vec4(fresnel(m, z), 1.0);
+        return;
+    }
+    vec3 wo = vec3(sqrt(max(1.0 - z * z, 0.0)), 0.0, z);
+    albedos = vec4(0.0);
+    for (int i = 0; i < count; ++i) {
+        vec2 u = hammersley(uint(i), uint(count));
+        u.y += 0.5 / float(count); // its mean, too, is half
+        // Masked by cavities, the lobe is bounded over all normals; by Smith, over those that wo sees.
+#if defined(MASKING_SMITH) || defined(G_GGX)
+        // What is lost is lost by the steepest, at the end of u.y: they get more than their share.
+        float v = 1.0 - u.y;
+        vec3 h = sample_visible_ggx(vec2(u.x, 1.0 - v * v * v), wo, m.alpha);
+        float density = G1_ggx(wo, m.alpha) / (3.0 * v * v); // wo.h / n.wo cancels below
+#else
+        vec3 h = sample_ggx(u, m.alpha);
+        float density = h.z * wo.z / dot(wo, h);
+#endif
+        vec3 wi = reflect(-wo, h);
+        float wo_h = dot(wo, h);
+        if (wi.z <= 0.0 || wo_h <= 0.0 || h.z <= 0.0) continue;
+        // D over D_ggx, which cancels against the density.
+        float D = m.weight_d.x + m.weight_d.y * beckmann_over_ggx(h, m.alpha);
+        float G = G_mixture(wi, wo, h, wo_h, m.alpha, m.weight_g);
+        albedos += vec4(fresnel(m, wo_h), 1.0) * (D * G / density);
+    }
+    albedos /= float(count);
+}

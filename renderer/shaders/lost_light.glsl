@@ -1,0 +1,12 @@
+// What the specular lobe does not send back, over n.w, made by precompute/lost_light.py: rgb for the
+// diffuse lobe, a for light that meets a second facet. A loss is divided by the root of its mean over
+// a hemisphere, so that factor(wi) factor(wo) / pi sends back just what is lost at wo; under
+// KD_INTERFACE rg are what the interfaces of GGX and of Beckmann let through, over its mean.
+uniform sampler2D lost_light;
+
+// Texels stand at the roots of n.w: where it grazes, losses change most quickly.
+vec4 lost_light_at(float cos_theta) {
+    float texels = float(textureSize(lost_light, 0).x);
+    float u = sqrt(min(cos_theta, 1.0));
+    return textureLod(lost_light, vec2((u * (texels - 1.0) + 0.5) / texels, 0.5), 0.0);
+}
