@@ -11,10 +11,11 @@ uniform float nodes; // along x
 layout(location = 0) out vec4 albedos;
 
 // What the specular lobe sends back of even light: rgb, and in a with F = 1. Row 1 holds F itself.
-// The node's n.wo is the square of its place: losses change most where wo grazes.
+// The node's n.wo is the fourth power of its place: what is narrow loses light where wo grazes.
 void main() {
     Material m = drawn_material();
-    float place = (gl_FragCoord.x - 0.5) / (nodes - 1.0), z = max(place * place, 1e-6);
+    float place = (gl_FragCoord.x - 0.5) / (nodes - 1.0);
+    float z = max(place * place * place * place, 1e-6);
     if (gl_FragCoord.y > 1.0) {
         albedos = vec4(fresnel(m, z), 1.0);
         return;

@@ -17,7 +17,8 @@ layout(location = 0) out vec4 transmitted;
 // its own Smith masking above and below: Walter et al. 2007, eq. 21, integrated over the half space
 // below. Nodes as in directional_albedo.frag.
 void main() {
-    float place = (gl_FragCoord.x - 0.5) / (nodes - 1.0), z = max(place * place, 1e-6);
+    float place = (gl_FragCoord.x - 0.5) / (nodes - 1.0);
+    float z = max(place * place * place * place, 1e-6);
     vec3 wo = vec3(sqrt(max(1.0 - z * z, 0.0)), 0.0, z);
     vec2 both = vec2(0.0);
     const vec2 BECKMANN = vec2(0.0, 1.0);

@@ -4,9 +4,9 @@
 // KD_INTERFACE rg are what the interfaces of GGX and of Beckmann let through, over its mean.
 uniform sampler2D lost_light;
 
-// Texels stand at the roots of n.w: where it grazes, losses change most quickly.
+// Texels stand at the fourth roots of n.w: narrow lobes lose light only where it is about alpha.
 vec4 lost_light_at(float cos_theta) {
     float texels = float(textureSize(lost_light, 0).x);
-    float u = sqrt(min(cos_theta, 1.0));
+    float u = sqrt(sqrt(min(cos_theta, 1.0)));
     return textureLod(lost_light, vec2((u * (texels - 1.0) + 0.5) / texels, 0.5), 0.0);
 }
