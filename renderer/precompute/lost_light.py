@@ -32,7 +32,8 @@ from scenes.schema import Material, Model
 
 NODES = 64  # where n.w is integrated at: the fourth powers of even steps
 TEXELS = 512  # read linearly; what a cubic spline makes of the nodes
-SAMPLES = 32_768
+SAMPLES = 32_768  # points of a pass: llvmpipe ends the loops of a shader after 65,535 turns
+PASSES = 4  # where cavities mask, whose edge in azimuth takes more points
 ONE_LOBE = ((1.0, 0.0), (0.0, 1.0))
 PLACES = np.linspace(0, 1, NODES)  # fourth roots of n.w
 
@@ -100,17 +101,23 @@ def _albedo_and_fresnel(
 
 @lru_cache(maxsize=256)  # what one pair serves are all weights
 def _integrated(told: tuple, defines: frozenset[str]) -> np.ndarray:
-    return _run("directional_albedo.frag", defines, dict(told), 2)
+    cavities = "G_BECKMANN" in defines and "MASKING_SMITH" not in defines
+    return _run("directional_albedo.frag", defines, dict(told), 2, PASSES if cavities else 1)
 
 
-def _run(shader: str, defines: frozenset[str], uniforms: dict[str, Any], rows: int) -> np.ndarray:
+def _run(
+    shader: str, defines: frozenset[str], uniforms: dict[str, Any], rows: int, passes: int = 1
+) -> np.ndarray:
     """What a shader makes of the nodes, (rows, NODES, 4) in double precision."""
     texture = context().texture((NODES, rows), 4, dtype="f4")
     framebuffer = context().framebuffer([texture])
     integral = program("fullscreen.vert", shader, defines)
-    set_uniforms(integral, **uniforms, count=SAMPLES, nodes=float(NODES))
-    fill(framebuffer, integral)
-    found = np.frombuffer(texture.read(), np.float32).reshape(rows, NODES, 4).astype(float)
+    set_uniforms(integral, **uniforms, nodes=float(NODES), count=SAMPLES, points=passes * SAMPLES)
+    found = np.zeros((rows, NODES, 4))
+    for number in range(passes):
+        set_uniforms(integral, first=number * SAMPLES)
+        fill(framebuffer, integral)
+        found += np.frombuffer(texture.read(), np.float32).reshape(found.shape) / passes
     release(framebuffer, texture)
     return found
 

@@ -6,7 +6,9 @@
 #include "mixture.glsl"
 #include "fresnel.glsl"
 #include "drawn_material.glsl"
-uniform int count;
+uniform int first; // point of this pass
+uniform int count; // of points in it
+uniform int points; // in all passes, a power of 2
 uniform float nodes; // along x
 layout(location = 0) out vec4 albedos;
 
@@ -22,18 +24,18 @@ void main() {
     }
     vec3 wo = vec3(sqrt(max(1.0 - z * z, 0.0)), 0.0, z);
     albedos = vec4(0.0);
-    for (int i = 0; i < count; ++i) {
-        vec2 u = hammersley(uint(i), uint(count));
-        u.y += 0.5 / float(count); // its mean, too, is half
-        // Masked by cavities, the lobe is bounded over all normals; by Smith, over those that wo sees.
-#if defined(MASKING_SMITH) || defined(G_GGX)
-        // What is lost is lost by the steepest, at the end of u.y: they get more than their share.
+    for (int i = first; i < first + count; ++i) {
+        vec2 u = hammersley(uint(i), uint(points));
+        u.y += 0.5 / float(points); // its mean, too, is half
+        // What is lost is lost by the steepest, at one end: they get more than their share. Masked by
+        // cavities, the lobe is bounded over all normals; by Smith, over those that wo sees.
         float v = 1.0 - u.y;
+#if defined(MASKING_SMITH) || defined(G_GGX)
         vec3 h = sample_visible_ggx(vec2(u.x, 1.0 - v * v * v), wo, m.alpha);
         float density = G1_ggx(wo, m.alpha) / (3.0 * v * v); // wo.h / n.wo cancels below
 #else
-        vec3 h = sample_ggx(u, m.alpha);
-        float density = h.z * wo.z / dot(wo, h);
+        vec3 h = sample_ggx(vec2(1.0 - v * v, u.x), m.alpha);
+        float density = h.z * wo.z / (dot(wo, h) * 2.0 * v);
 #endif
         vec3 wi = reflect(-wo, h);
         float wo_h = dot(wo, h);

@@ -9,22 +9,25 @@
 #include "fresnel_dielectric.glsl"
 uniform float alpha;
 uniform float eta;
+uniform int first;
 uniform int count;
+uniform int points;
 uniform float nodes;
 layout(location = 0) out vec4 transmitted;
 
 // The share of light from wo that passes a rough interface of GGX (r) and of Beckmann (g), each with
 // its own Smith masking above and below: Walter et al. 2007, eq. 21, integrated over the half space
-// below. Nodes as in directional_albedo.frag.
+// below. Nodes and points
+// as in directional_albedo.frag.
 void main() {
     float place = (gl_FragCoord.x - 0.5) / (nodes - 1.0);
     float z = max(place * place * place * place, 1e-6);
     vec3 wo = vec3(sqrt(max(1.0 - z * z, 0.0)), 0.0, z);
     vec2 both = vec2(0.0);
     const vec2 BECKMANN = vec2(0.0, 1.0);
-    for (int i = 0; i < count; ++i) {
-        vec2 u = hammersley(uint(i), uint(count));
-        u.y += 0.5 / float(count);
+    for (int i = first; i < first + count; ++i) {
+        vec2 u = hammersley(uint(i), uint(points));
+        u.y += 0.5 / float(points);
         float v = 1.0 - u.y, share = 3.0 * v * v; // more of the steepest: see directional_albedo.frag
         vec3 h = sample_visible_ggx(vec2(u.x, 1.0 - v * v * v), wo, alpha);
         float c = dot(wo, h);

@@ -17,7 +17,7 @@ BRDF = [
     ("brdf.glsl", "0.5 * length(wi + wo)", "dot(wo, normalize(wi + wo))", "against Mitsuba"),
     ("ndf_beckmann.glsl", "exp(-dot", "exp(dot", "finite"),
     ("brdf.glsl", "f += one", "f -= one", "non-negative"),
-    ("brdf.glsl", "F_schlick(m.f0, wo_h)", "F_schlick(m.f0, wo.z)", "reciprocal"),
+    ("brdf.glsl", "F = fresnel(m, wo_h)", "F = fresnel(m, wo.z)", "reciprocal"),
     ("mixture.glsl", "G += weight.y * G_vcavity", "G += G_vcavity", "smooth in weight"),
     ("ndf_ggx.glsl", "INV_PI /", "(alpha > 0.1 ? 1.1 : 1.0) * INV_PI /", "smooth in roughness"),
 ]
@@ -117,7 +117,7 @@ NAMED_FAULTS = {
     "below-the-surface": ("brdf.glsl", "if (min(wi.z, wo.z) < HORIZON)", "if (false)"),
     "almost-below": ("brdf.glsl", "HORIZON = 1e-9", "HORIZON = 0.0"),
     "opposite": ("brdf.glsl", "if (min(wi.z, wo.z) < HORIZON)", "if (false)"),
-    "nearly-opposite": ("brdf.glsl", "one_minus_F_schlick(m.f0, wo_h)", "(1.0 - F)"),
+    "nearly-opposite": ("brdf.glsl", "one_minus_fresnel(m, wo_h)", "(1.0 - F)"),
     "h-is-n": ("brdf.glsl", "/ (2.0 * wo_h)", "/ (2.0 * wo_h + 1e-6)"),
     "lobes-left-out": ("mixture.glsl", "D += weight.y * D_beckmann", "D += D_beckmann"),
     "weight-of-1e-7": ("mixture.glsl", "weight.y * G_v", "(1.0 - weight.x) * G_v"),
