@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.special import erf
 
-NODES = 40  # Gauss-Legendre, per panel and dimension
+NODES = 64  # Gauss-Legendre, per panel and dimension
 PLACES = np.linspace(0, 1, 97)  # fourth roots of the cosines that are integrated at
 TEXELS = 1024  # read linearly; what a cubic spline makes of the places
 BECKMANN_END = 6.5  # slopes over alpha; what lies beyond weighs exp(-42)
@@ -53,7 +53,9 @@ def lost_light(
         F, E_mean = _mean(fresnel(cosines)), _mean(white)
         # Squared: two facets or more reflect it. Hill 2018, "A Multi-Faceted Exploration", part 2.
         back = F**2 * E_mean / (1 - F * (1 - E_mean))
-    factors = np.concatenate([_over_root(1 - single - back * (1 - white)), _over_root(1 - white)], 1)
+    factors = np.concatenate(
+        [_over_root(1 - single - back * (1 - white)), _over_root(1 - white)], 1
+    )
     return factors, back, float(np.sqrt(np.maximum(_mean(1 - white), 0))[0])
 
 

@@ -41,8 +41,8 @@ and f = 0 unless n.wi > 0 and n.wo > 0. The model chooses
        conserving         instead of (1 - F) c / pi: c / pi (1 - E(wi)) (1 - E(wo)) / (1 - E_mean),
                           E(w) what the specular lobe sends back of even light to w, and E_mean its
                           mean over a hemisphere (Kelemen and Szirmay-Kalos 2001, eq. 4)
-    multiscatter on       adds F_ms / pi (1 - E(wi)) (1 - E(wo)) / (1 - E_mean) to the specular lobe,
-                          E with F = 1, and F_ms = F_mean^2 E_mean / (1 - F_mean (1 - E_mean))
+    multiscatter on       adds F_ms / pi (1 - E(wi)) (1 - E(wo)) / (1 - E_mean) to the specular
+                          lobe, E with F = 1, and F_ms = F_mean^2 E_mean / (1 - F_mean (1 - E_mean))
                           (Kulla and Conty 2017); integrals in `reference.energy`
 
 Exact Fresnel reads the constants as the truth `physical` does: metals per channel, dielectrics by
@@ -179,7 +179,7 @@ class Mixture(mi.BSDF):
             chosen = (sample1 >= share_ggx) & (sample1 < share_ggx + share_beckmann)
             wo = dr.select(chosen, mi.reflect(wi, visible_beckmann(wi, sample2, self.alpha)), wo)
         value, density = self.eval_pdf(ctx, si, wo, active & (wi.z > 0))
-        # The cosine lobe serves light off many facets too, which is glossy if that alone is asked for.
+        # The cosine lobe serves light off many facets too: glossy, if only that is asked for.
         drawn_diffuse = (sample1 >= share_ggx + share_beckmann) if diffuse else mi.Bool(False)
         bs = dr.zeros(mi.BSDFSample3f)
         bs.wo, bs.pdf, bs.eta = wo, density, 1

@@ -28,8 +28,8 @@ def physical_bsdf(obj: Object) -> tuple[dict, list[str]]:
     """The object's material as a Mitsuba dictionary, with notes on what could not be matched.
 
     Raises:
-        InputError: a metal is given by its F0 alone, or a dielectric has an F0 of 1, so that eta and
-            k are unknown.
+        InputError: a metal is given by its F0 alone, or a dielectric has an F0 of 1, so that eta
+            and k are unknown.
     """
     material = obj.material
     if material.metallic > 0:

@@ -167,9 +167,7 @@ def features(
     return frozenset(needed)
 
 
-def split_samples(
-    material: Material, samples: int, model: Model = PAPER
-) -> tuple[int, int, int]:
+def split_samples(material: Material, samples: int, model: Model = PAPER) -> tuple[int, int, int]:
     """Share samples out to the lobes (GGX, Beckmann, cosine).
 
     The diffuse lobe gets a share by its albedo against F0, between a fifth and a half: the

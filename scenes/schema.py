@@ -249,17 +249,31 @@ class Model(Strict):
 
 PAPER = Model()
 PHYSICAL = Model(fresnel="exact", kd="interface", masking="smith")
+NAMED_MODELS = {"paper": PAPER, "physical": PHYSICAL}
+
+
+def _named_model(value: Any) -> Any:
+    """Turn a model's name into the model."""
+    if not isinstance(value, str):
+        return value
+    if value not in NAMED_MODELS:
+        named = " or ".join(NAMED_MODELS)
+        raise ValueError(f"unknown model {show(value)}; use {named}, or a table of its fields")
+    return NAMED_MODELS[value]
+
+
+ModelOrName = Annotated[Model, BeforeValidator(_named_model)]
 
 
 def model_steps(model: Model) -> list[Model]:
-    """From a model to PHYSICAL, one field a step: Fresnel, then kd, then masking.
+    """From a model to PHYSICAL in steps: Fresnel, then kd, then masking and what it loses.
 
     A field that is physical already makes a step that changes nothing.
     """
     steps = []
-    for field in ("fresnel", "kd", "masking"):
+    for fields in ({"fresnel"}, {"kd"}, {"masking", "multiscatter"}):
         # Rebuilt, not copied: every step is validated.
-        model = Model(**model.model_dump() | {field: getattr(PHYSICAL, field)})
+        model = Model(**model.model_dump() | PHYSICAL.model_dump(include=fields))
         steps.append(model)
     return steps
 

@@ -9,9 +9,9 @@
   with F = 1, F_ms = F_avg² E_avg / (1 - F_avg (1 - E_avg)), which counts that two facets or more
   reflect it (Hill 2018, "A Multi-Faceted Exploration", part 2).
 
-Averages are over a hemisphere with the cosine, 2 ∫ E mu dmu. Under the masking `paper` E is bilinear
-in the weights of D and G, so that those of the pairs (D_i, G_j) serve every weight; under `smith`
-each surface has its own.
+Averages are over a hemisphere with the cosine, 2 ∫ E mu dmu. Under the masking `paper` E is
+bilinear in the weights of D and G, so that those of the pairs (D_i, G_j) serve every weight; under
+`smith` each surface has its own.
 """
 
 from dataclasses import dataclass
@@ -65,14 +65,14 @@ def _lost_light(told: tuple, defines: frozenset[str], model: Model) -> LostLight
     factors, multiscatter = np.zeros((TEXELS, 4)), np.zeros(3)
     fresnel = frozenset(name for name in defines if name.startswith("FRESNEL"))
     if {"KD_CONSERVING", "MULTISCATTER"} & defines:
-        albedo, F = _albedo_and_fresnel(told, fresnel, model)
-        E, E_white = albedo[:, :3], albedo[:, 3:]
+        losses, F = _losses_and_fresnel(told, fresnel, model)
+        lost, lost_white = losses[:, :3], losses[:, 3:]
         if model.multiscatter == "on":
-            F_avg, E_avg = _mean(F[:, :3]), _mean(E_white)
-            multiscatter = F_avg**2 * E_avg / (1 - F_avg * (1 - E_avg))
-            E = E + multiscatter * (1 - E_white)
-            factors[:, 3:] = _halved(1 - E_white)
-        factors[:, :3] = _halved(1 - E)
+            F_avg, lost_avg = _mean(F[:, :3]), _mean(lost_white)
+            multiscatter = F_avg**2 * (1 - lost_avg) / (1 - F_avg * lost_avg)
+            lost = lost - multiscatter * lost_white
+            factors[:, 3:] = _halved(lost_white)
+        factors[:, :3] = _halved(lost)
     if "KD_INTERFACE" in defines:
         passed = _run("interface.frag", frozenset(), dict(told), 1)[0, :, :2]
         factors[:, :2] = _texels(passed) / _mean(passed)
@@ -82,27 +82,27 @@ def _lost_light(told: tuple, defines: frozenset[str], model: Model) -> LostLight
     return LostLight(texture, tuple(map(float, multiscatter)), perf_counter() - start)
 
 
-def _albedo_and_fresnel(
+def _losses_and_fresnel(
     told: tuple, fresnel: frozenset[str], model: Model
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The specular lobe's albedo at the nodes, rgb and with F = 1, and F; (NODES, 4) each."""
+    """What the specular lobe loses at the nodes, rgb and with F = 1, and F; (NODES, 4) each."""
     if model.masking == "smith":
         return tuple(_integrated(told, fresnel | {"MASKING_SMITH", "G_GGX", "G_BECKMANN"}))
-    uniforms, albedo = dict(told), np.zeros((NODES, 4))
+    uniforms, losses = dict(told), np.zeros((NODES, 4))
     for D, share_d in zip(ONE_LOBE, uniforms["weight_d"], strict=True):
         for G, share_g in zip(ONE_LOBE, uniforms["weight_g"], strict=True):
             if share_d * share_g > 0:
                 pair = tuple((uniforms | {"weight_d": D, "weight_g": G}).items())
-                masking = {"G_GGX"} if G == ONE_LOBE[0] else {"G_BECKMANN"}
+                masking = {"G_GGX"} if ONE_LOBE[0] == G else {"G_BECKMANN"}
                 of_pair, F = _integrated(pair, fresnel | masking)
-                albedo += share_d * share_g * of_pair
-    return albedo, F
+                losses += share_d * share_g * of_pair
+    return losses, F
 
 
 @lru_cache(maxsize=256)  # what one pair serves are all weights
 def _integrated(told: tuple, defines: frozenset[str]) -> np.ndarray:
     cavities = "G_BECKMANN" in defines and "MASKING_SMITH" not in defines
-    return _run("directional_albedo.frag", defines, dict(told), 2, PASSES if cavities else 1)
+    return _run("directional_loss.frag", defines, dict(told), 2, PASSES if cavities else 1)
 
 
 def _run(
@@ -130,7 +130,7 @@ def _mean(values: np.ndarray) -> np.ndarray:
 def _halved(loss: np.ndarray) -> np.ndarray:
     """A loss at the nodes over the root of its mean, (TEXELS, k); 0 where nothing is lost.
 
-    Rounding makes light of at most 1e-6, which counts as none lost.
+    Rounding may make light of at most 1e-6, which counts as none lost.
     """
     mean = np.maximum(_mean(loss), 0)
     return np.maximum(_texels(loss), 0) / np.sqrt(np.where(mean > 0, mean, np.inf))

@@ -18,7 +18,7 @@ layout(location = 0) out vec4 transmitted;
 // The share of light from wo that passes a rough interface of GGX (r) and of Beckmann (g), each with
 // its own Smith masking above and below: Walter et al. 2007, eq. 21, integrated over the half space
 // below. Nodes and points
-// as in directional_albedo.frag.
+// as in directional_loss.frag.
 void main() {
     float place = (gl_FragCoord.x - 0.5) / (nodes - 1.0);
     float z = max(place * place * place * place, 1e-6);
@@ -28,7 +28,7 @@ void main() {
     for (int i = first; i < first + count; ++i) {
         vec2 u = hammersley(uint(i), uint(points));
         u.y += 0.5 / float(points);
-        float v = 1.0 - u.y, share = 3.0 * v * v; // more of the steepest: see directional_albedo.frag
+        float v = 1.0 - u.y, share = 3.0 * v * v; // more of the steepest: see directional_loss.frag
         vec3 h = sample_visible_ggx(vec2(u.x, 1.0 - v * v * v), wo, alpha);
         float c = dot(wo, h);
         if (c <= 0.0 || h.z <= 0.0) continue;
