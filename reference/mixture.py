@@ -261,8 +261,7 @@ class Mixture(mi.BSDF):
 
     def _lost(self, w):
         """The factors of `energy.lost_light`: xyz for the diffuse lobe, w for facets."""
-        place = dr.sqrt(dr.sqrt(dr.clip(w.z, 0, 1)))
-        texel = (place * (energy.TEXELS - 1) + 0.5) / energy.TEXELS
+        texel = (energy.place(dr.clip(w.z, 0, 1)) * (energy.TEXELS - 1) + 0.5) / energy.TEXELS
         return mi.Vector4f(self.lost.eval(mi.Array1f(texel)))
 
     def _from_below(self, si, wo, active):

@@ -30,12 +30,12 @@ from renderer.surface import surface_uniforms
 from renderer.targets import release
 from scenes.schema import Material, Model
 
-NODES = 64  # where n.w is integrated at: the fourth powers of even steps
+NODES = 80  # along the map, where n.w is integrated at
 TEXELS = 512  # read linearly; what a cubic spline makes of the nodes
 SAMPLES = 32_768  # points of a pass: llvmpipe ends the loops of a shader after 65,535 turns
-PASSES = 4  # where cavities mask, whose edge in azimuth takes more points
+PASSES = 4
 ONE_LOBE = ((1.0, 0.0), (0.0, 1.0))
-PLACES = np.linspace(0, 1, NODES)  # fourth roots of n.w
+PLACES = np.linspace(0, 1, NODES)  # x, for n.w = y (2 - y) with y = x^4: see lost_light.glsl
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class LostLight:
     """The map `lost_light` of one surface under one model.
 
     Attributes:
-        texture: float32 RGBA over the fourth root of n.w, see lost_light.glsl.
+        texture: float32 RGBA, see lost_light.glsl.
         multiscatter: F_ms, (3,).
         seconds: what it took to make.
     """
@@ -101,30 +101,28 @@ def _losses_and_fresnel(
 
 @lru_cache(maxsize=256)  # what one pair serves are all weights
 def _integrated(told: tuple, defines: frozenset[str]) -> np.ndarray:
-    cavities = "G_BECKMANN" in defines and "MASKING_SMITH" not in defines
-    return _run("directional_loss.frag", defines, dict(told), 2, PASSES if cavities else 1)
+    return _run("directional_loss.frag", defines, dict(told), 2)
 
 
-def _run(
-    shader: str, defines: frozenset[str], uniforms: dict[str, Any], rows: int, passes: int = 1
-) -> np.ndarray:
+def _run(shader: str, defines: frozenset[str], uniforms: dict[str, Any], rows: int) -> np.ndarray:
     """What a shader makes of the nodes, (rows, NODES, 4) in double precision."""
     texture = context().texture((NODES, rows), 4, dtype="f4")
     framebuffer = context().framebuffer([texture])
     integral = program("fullscreen.vert", shader, defines)
-    set_uniforms(integral, **uniforms, nodes=float(NODES), count=SAMPLES, points=passes * SAMPLES)
+    set_uniforms(integral, **uniforms, nodes=float(NODES), count=SAMPLES, points=PASSES * SAMPLES)
     found = np.zeros((rows, NODES, 4))
-    for number in range(passes):
+    for number in range(PASSES):
         set_uniforms(integral, first=number * SAMPLES)
         fill(framebuffer, integral)
-        found += np.frombuffer(texture.read(), np.float32).reshape(found.shape) / passes
+        found += np.frombuffer(texture.read(), np.float32).reshape(found.shape) / PASSES
     release(framebuffer, texture)
     return found
 
 
 def _mean(values: np.ndarray) -> np.ndarray:
-    """2 ∫ v mu dmu of values at the nodes, (NODES, k); mu is the fourth power of the place."""
-    return 8 * CubicSpline(PLACES, values * PLACES[:, None] ** 7).integrate(0, 1)
+    """2 ∫ v mu dmu of values at the nodes, (NODES, k)."""
+    y = PLACES[:, None] ** 4
+    return CubicSpline(PLACES, values * 16 * (2 - y) * (1 - y) * PLACES[:, None] ** 7).integrate(0, 1)
 
 
 def _halved(loss: np.ndarray) -> np.ndarray:

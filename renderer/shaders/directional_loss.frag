@@ -13,8 +13,7 @@ uniform float nodes; // along x
 layout(location = 0) out vec4 lost;
 
 // The share of even light that the specular lobe does not send back: rgb, and in a with F = 1. Row 1
-// holds F itself. The node's n.wo is the fourth power of its place: what is narrow loses light where
-// wo grazes.
+// holds F itself. For the nodes' places see lost_light.glsl.
 //
 // What wo sees of facets adds up to 1 (Heitz 2014, eq. 80), and each sends back a part of what is
 // seen of it. So the difference of both is summed, not the albedo: that of a smooth surface is all
@@ -22,12 +21,12 @@ layout(location = 0) out vec4 lost;
 void main() {
     Material m = drawn_material();
     float place = (gl_FragCoord.x - 0.5) / (nodes - 1.0);
-    float z = max(place * place * place * place, 1e-6);
+    float y = place * place * place * place, z = max(y * (2.0 - y), 1e-6);
     if (gl_FragCoord.y > 1.0) {
         lost = vec4(fresnel(m, z), 1.0);
         return;
     }
-    vec3 wo = vec3(sqrt(max(1.0 - z * z, 0.0)), 0.0, z);
+    vec3 wo = vec3((1.0 - y) * sqrt(1.0 + z), 0.0, z); // 1 - z is (1 - y)²
     lost = vec4(0.0);
     for (int i = first; i < first + count; ++i) {
         vec2 u = hammersley(uint(i), uint(points));

@@ -21,8 +21,8 @@ layout(location = 0) out vec4 transmitted;
 // as in directional_loss.frag.
 void main() {
     float place = (gl_FragCoord.x - 0.5) / (nodes - 1.0);
-    float z = max(place * place * place * place, 1e-6);
-    vec3 wo = vec3(sqrt(max(1.0 - z * z, 0.0)), 0.0, z);
+    float y = place * place * place * place, z = max(y * (2.0 - y), 1e-6);
+    vec3 wo = vec3((1.0 - y) * sqrt(1.0 + z), 0.0, z); // 1 - z is (1 - y)²
     vec2 both = vec2(0.0);
     const vec2 BECKMANN = vec2(0.0, 1.0);
     for (int i = first; i < first + count; ++i) {

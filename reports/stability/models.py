@@ -17,7 +17,8 @@ from reports.stability.oracle import (
 from reports.stability.quadrature import facets
 from scenes.schema import Material, Model
 
-PLACES = np.linspace(0, 1, 81)  # fourth roots of the cosines that are integrated at
+PLACES = np.linspace(0, 1, 97)  # x, for cosines y (2 - y) with y = x^4
+COSINES = np.maximum(PLACES**4 * (2 - PLACES**4), 1e-6)
 
 
 def model_brdf(material: Material, wi: np.ndarray, wo: np.ndarray, model: Model) -> np.ndarray:
@@ -103,15 +104,14 @@ def _shape(material: Material) -> tuple:
 def _losses(material: Material, model: Model) -> tuple:
     """What `conserving` and `multiscatter` make of losses: functions of directions, and F_ms."""
     F = fresnel_of(material, model)
-    cosines = np.maximum(PLACES**4, 1e-6)
 
     def both(c: np.ndarray) -> np.ndarray:
         return np.column_stack([F(c), np.ones(len(c))])
 
-    E = np.stack([specular_albedo(material, c, model, both) for c in cosines])
+    E = np.stack([specular_albedo(material, c, model, both) for c in COSINES])
     single, white, back = E[:, :3], E[:, 3:], np.zeros(3)
     if model.multiscatter == "on":
-        F_mean, E_mean = _mean(F(cosines)), _mean(white)
+        F_mean, E_mean = _mean(F(COSINES)), _mean(white)
         back = F_mean**2 * E_mean / (1 - F_mean * (1 - E_mean))  # Hill 2018
     diffuse, facet = _over_root(1 - single - back * (1 - white)), _over_root(1 - white)
     return diffuse, lambda w: facet(w)[:, 0], back
@@ -120,7 +120,7 @@ def _losses(material: Material, model: Model) -> tuple:
 @lru_cache(maxsize=64)
 def _passed(eta: float, alpha: float):
     """Transmittance over its mean, by directions."""
-    T = np.stack([transmitted(eta, alpha, c) for c in np.maximum(PLACES**4, 1e-6)])
+    T = np.stack([transmitted(eta, alpha, c) for c in COSINES])
     spline, mean = CubicSpline(PLACES, T), _mean(T)
     return lambda w: spline(_place(w)) / mean
 
@@ -134,8 +134,10 @@ def _over_root(loss: np.ndarray):
 
 def _mean(values: np.ndarray) -> np.ndarray:
     """2 ∫ v mu dmu."""
-    return 8 * CubicSpline(PLACES, values * PLACES[:, None] ** 7).integrate(0, 1)
+    x, y = PLACES[:, None], PLACES[:, None] ** 4
+    return CubicSpline(PLACES, values * 16 * (2 - y) * (1 - y) * x**7).integrate(0, 1)
 
 
 def _place(w: np.ndarray) -> np.ndarray:
-    return np.clip(w[:, 2].astype(float), 0, 1) ** 0.25
+    cosine = np.clip(w[:, 2].astype(float), 0, 1)
+    return (cosine / (1 + np.sqrt(1 - cosine))) ** 0.25
