@@ -30,10 +30,10 @@ from renderer.surface import surface_uniforms
 from renderer.targets import release
 from scenes.schema import Material, Model
 
-NODES = 80  # along the map, where n.w is integrated at
-TEXELS = 512  # read linearly; what a cubic spline makes of the nodes
+NODES = 64  # along the map, where n.w is integrated at
+TEXELS = 2048  # read linearly; what a cubic spline makes of the nodes
 SAMPLES = 32_768  # points of a pass: llvmpipe ends the loops of a shader after 65,535 turns
-PASSES = 4
+PASSES = 8
 ONE_LOBE = ((1.0, 0.0), (0.0, 1.0))
 PLACES = np.linspace(0, 1, NODES)  # x, for n.w = y (2 - y) with y = x^4: see lost_light.glsl
 

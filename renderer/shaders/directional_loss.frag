@@ -31,15 +31,17 @@ void main() {
     for (int i = first; i < first + count; ++i) {
         vec2 u = hammersley(uint(i), uint(points));
         u.y += 0.5 / float(points); // its mean, too, is half
-        // What is lost is lost by the steepest, at one end: they get more than their share. Masked by
-        // cavities, the lobe is bounded over all normals; by Smith, over those that wo sees.
+        // What GGX loses its steepest facets lose, at one end: they get more than their share, which
+        // Beckmann has none of. Masked by cavities, the lobe is bounded over all normals; by Smith,
+        // over those that wo sees.
         float v = 1.0 - u.y;
+        vec2 rest = m.weight_d.x > 0.0 ? vec2(v * v * v, 3.0 * v * v) : vec2(v, 1.0);
 #if defined(MASKING_SMITH) || defined(G_GGX)
-        vec3 h = sample_visible_ggx(vec2(u.x, 1.0 - v * v * v), wo, m.alpha);
-        float density = G1_ggx(wo, m.alpha) / (3.0 * v * v); // wo.h / n.wo cancels below
+        vec3 h = sample_visible_ggx(vec2(u.x, 1.0 - rest.x), wo, m.alpha);
+        float density = G1_ggx(wo, m.alpha) / rest.y; // wo.h / n.wo cancels below
 #else
-        vec3 h = sample_ggx(vec2(1.0 - v * v, u.x), m.alpha);
-        float density = h.z * wo.z / (dot(wo, h) * 2.0 * v);
+        vec3 h = sample_ggx(vec2(1.0 - rest.x, u.x), m.alpha);
+        float density = h.z * wo.z / (dot(wo, h) * rest.y);
 #endif
         float wo_h = dot(wo, h);
         bool faces = wo_h > 0.0 && h.z > 0.0;
@@ -48,7 +50,7 @@ void main() {
 #if defined(MASKING_SMITH)
         float seen = faces ? D * G1_smith_mixture(wo, m.alpha, m.weight_g) / density : 0.0;
 #elif defined(G_GGX)
-        float seen = m.weight_d.y > 0.0 ? 1.0 : 3.0 * v * v;
+        float seen = m.weight_d.y > 0.0 ? 1.0 : rest.y;
 #else
         float seen = faces ? D * min(1.0, 2.0 * h.z * wo.z / wo_h) / density : 0.0;
 #endif
