@@ -8,13 +8,13 @@ there, and where tan theta_o cos phi is 0 or 1, which at grazing angles is a ste
 """
 
 from collections.abc import Callable
-from functools import cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.special import erf
 
-NODES = 48  # Gauss-Legendre, per panel and dimension
+NODES = 24  # Gauss-Legendre, per panel and dimension
+CAVITY_NODES = 64  # where cavities mask, with kinks across panels when wo grazes
 PLACES = np.linspace(0, 1, 97)  # see `place`
 TEXELS = 1024  # read linearly; what a cubic spline makes of the places
 BECKMANN_END = 6.5  # slopes over alpha; what lies beyond weighs exp(-42)
@@ -89,7 +89,8 @@ def _albedo(
     for ndf, share in (("ggx", weight), ("beckmann", 1 - weight)):
         if not share:
             continue
-        measure, n_h, wo_h, n_wi = _facets(ndf, alpha, theta)
+        nodes = NODES if masking == "smith" or weight_g == 1 else CAVITY_NODES
+        measure, n_h, wo_h, n_wi = _facets(ndf, alpha, theta, nodes)
         if masking == "smith":
             G = _smith(n_wi, alpha, weight_g) * _smith(cosine, alpha, weight_g)
         else:
@@ -102,12 +103,11 @@ def _albedo(
     return total
 
 
-@cache
-def _facets(ndf: str, alpha: float, theta: float) -> tuple[np.ndarray, ...]:
+def _facets(ndf: str, alpha: float, theta: float, nodes: int) -> tuple[np.ndarray, ...]:
     """Facets that mirror wo above the surface: D n.h dh, n.h, wo.h and n.wi, (n,) each."""
     slope_o = np.tan(theta)
     turns = np.arccos(np.clip(np.array([1, 0, -1]) / max(slope_o, 1), -1, 1))
-    phi, d_phi = _panels(np.array([0, *turns, np.pi]))
+    phi, d_phi = _panels(np.array([0, *turns, np.pi]), nodes)
     x = np.arctan2(1, slope_o * np.cos(phi))
     steep = x > 0.75 * np.pi
     kinks = [
@@ -118,10 +118,10 @@ def _facets(ndf: str, alpha: float, theta: float) -> tuple[np.ndarray, ...]:
     ]
     slopes = np.tan(np.sort(np.stack([0 * x, *kinks], axis=1), axis=1)) / alpha
     if ndf == "ggx":  # D n.h dh is d(sin²(s)) dphi / 2 pi for a slope of alpha tan(s)
-        s, ds = _panels(np.arctan(slopes))
+        s, ds = _panels(np.arctan(slopes), nodes)
         slope, share = alpha * np.tan(s), ds * np.sin(2 * s)
     else:  # and -d(exp(-s²)) for one of alpha s
-        s, ds = _panels(np.minimum(slopes, BECKMANN_END))
+        s, ds = _panels(np.minimum(slopes, BECKMANN_END), nodes)
         slope, share = alpha * s, ds * 2 * s * np.exp(-(s**2))
     n_h = 1 / np.sqrt(1 + slope**2)
     n_wo = np.cos(theta)
@@ -140,9 +140,9 @@ def _smith(cosine: np.ndarray | float, alpha: float, share: float) -> np.ndarray
     return cosine / np.maximum(share * ggx + (1 - share) * beckmann, 1e-300)
 
 
-def _panels(ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre nodes and weights (..., panels x NODES) between ends (..., panels + 1)."""
-    x, w = np.polynomial.legendre.leggauss(NODES)
+def _panels(ends: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre nodes and weights (..., panels x count) between ends (..., panels + 1)."""
+    x, w = np.polynomial.legendre.leggauss(count)
     start, width = ends[..., :-1, None], np.diff(ends)[..., None]
     shape = (*ends.shape[:-1], -1)
     nodes = start + width * (x + 1) / 2

@@ -58,6 +58,8 @@ together. Parameters are opaque to Dr.Jit, so that a compiled kernel serves ever
 model, and weights at their ends, switch code.
 """
 
+from functools import lru_cache
+
 import drjit as dr
 import numpy as np
 
@@ -250,10 +252,9 @@ class Mixture(mi.BSDF):
 
     def _lose_light(self, props):
         """Tabulate what the specular lobe does not send back."""
-        given = {n: float(props[n]) for n in ("alpha", "weight", "weight_g")}
-        F = _fresnel_in_double(props)
-        factors, back, root = energy.lost_light(
-            **given, masking=self.masking, fresnel=F, multiscatter=self.multiscatter
+        shape = tuple(float(props[n]) for n in ("alpha", "weight", "weight_g"))
+        factors, back, root = _lost_light(
+            *shape, self.masking, self.multiscatter, _constants(props)
         )
         self.lost = mi.Texture1f(mi.TensorXf(factors.astype(np.float32)), use_accel=False)
         self.back, self.lost_root = mi.Color3f(*map(float, back)), mi.Float(root)
@@ -298,24 +299,39 @@ class Mixture(mi.BSDF):
         return area
 
 
-def _fresnel_in_double(props):
-    """F of the plugin's parameters as `reference.energy` takes it."""
-    if props["fresnel"] == "exact":
-        parts, metallic = [], float(props["metallic"])
-        if metallic < 1:
-            parts.append((1 - metallic, np.full(3, float(props["eta"])), np.zeros(3)))
-        if metallic > 0:
-            parts.append((metallic, *(_triple(props[n]) for n in ("metal_eta", "metal_k"))))
-        return lambda c: sum(share * energy.exact(eta, k, c) for share, eta, k in parts)
-    f0 = _triple(props["f0"])
-    if props["fresnel"] == "schlick":
-        return lambda c: energy.schlick(f0, c)
-    at_82 = _triple(props["f82"])
-    return lambda c: energy.f82(f0, at_82, c)
+def _constants(props):
+    """The model of F, and the parameters that it reads: what `energy` needs, to be told apart."""
+    if props["fresnel"] != "exact":
+        names = ("f0", "f82") if props["fresnel"] == "f82" else ("f0",)
+        return (props["fresnel"], *(_triple(props[n]) for n in names))
+    parts, metallic = [], float(props["metallic"])
+    if metallic < 1:
+        parts.append((1 - metallic, (float(props["eta"]),) * 3, (0.0,) * 3))
+    if metallic > 0:
+        parts.append((metallic, *(_triple(props[n]) for n in ("metal_eta", "metal_k"))))
+    return ("exact", *parts)
 
 
 def _triple(values):
-    return np.array([float(v) for v in values])
+    return tuple(float(v) for v in values)
+
+
+@lru_cache(maxsize=256)
+def _lost_light(alpha, weight, weight_g, masking, multiscatter, constants):
+    """`energy.lost_light`, once for each surface and model."""
+    model, *values = constants
+    if model == "exact":
+        parts = [(share, np.array(eta), np.array(k)) for share, eta, k in values]
+
+        def fresnel(c):
+            return sum(share * energy.exact(eta, k, c) for share, eta, k in parts)
+    else:
+        form, arrays = getattr(energy, model), [np.array(v) for v in values]
+
+        def fresnel(c):
+            return form(*arrays, c)
+
+    return energy.lost_light(alpha, weight, weight_g, masking, fresnel, multiscatter)
 
 
 def F_conductor(eta, k, cos_theta):

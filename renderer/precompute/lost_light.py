@@ -122,7 +122,9 @@ def _run(shader: str, defines: frozenset[str], uniforms: dict[str, Any], rows: i
 def _mean(values: np.ndarray) -> np.ndarray:
     """2 ∫ v mu dmu of values at the nodes, (NODES, k)."""
     y = PLACES[:, None] ** 4
-    return CubicSpline(PLACES, values * 16 * (2 - y) * (1 - y) * PLACES[:, None] ** 7).integrate(0, 1)
+    return CubicSpline(PLACES, values * 16 * (2 - y) * (1 - y) * PLACES[:, None] ** 7).integrate(
+        0, 1
+    )
 
 
 def _halved(loss: np.ndarray) -> np.ndarray:

@@ -20,9 +20,7 @@ def F_f82(f0: np.ndarray, f82: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     return np.maximum(F_schlick(f0, cosine) - slope * (c * (1 - c) ** 6)[:, None], 0)
 
 
-def F_exact(
-    eta: np.ndarray | float, k: np.ndarray | float, cosine: np.ndarray
-) -> np.ndarray:
+def F_exact(eta: np.ndarray | float, k: np.ndarray | float, cosine: np.ndarray) -> np.ndarray:
     """The Fresnel equations by complex amplitudes, (n, 3) or (n, 1). Born and Wolf 1999, 14.2.
 
     c - w = -(n² - 1) / (c + w) keeps what would cancel where n is near 1.
