@@ -7,13 +7,15 @@ from typing import Any
 import numpy as np
 
 from renderer.context import device
-from renderer.features import FINE, Technique, features, split_samples
+from renderer.features import FINE, LOST_LIGHT, Technique, features, split_samples
 from renderer.objects import culled, object_ids, placed, vertex_array
 from renderer.passes import Draw, Prepared, draw_frame
 from renderer.precompute import Maps, precomputed
 from renderer.precompute.brdf_table import smith_table
+from renderer.precompute.lost_light import lost_light
 from renderer.precompute.prefilter import LEVELS
 from renderer.program import program
+from renderer.surface import surface_uniforms
 from renderer.targets import Rectangle, make_target, within
 from renderer.view import View, covered, view
 from scenes.frame import Frame
@@ -50,6 +52,9 @@ class Renderer:
         tables = set()
         if self.technique.own_table(case.model):
             tables = {smith_table(o.material) for o in case.objects}
+        for obj in case.objects:
+            if features(obj.material, case.model) & LOST_LIGHT:
+                tables.add(lost_light(obj.material, case.model))
         start = perf_counter()
         part = part or (0, 0, case.width, case.height)
         prepared = self.prepare(case, environment.maps, part)
@@ -111,6 +116,10 @@ class Renderer:
         defines = features(material, model, how.diffuse, how.forced)
         if how.own_table(model):
             maps = maps | {"table_smith": smith_table(material).texture}
+        own = {}
+        if defines & LOST_LIGHT:
+            lost = lost_light(material, model)
+            maps, own = maps | {"lost_light": lost.texture}, {"multiscatter": lost.multiscatter}
         maps = maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}
         raster = program("mesh.vert", "surface.frag")
         sides = frozenset({"ANTIALIASED"}) if how.msaa else frozenset()
@@ -119,14 +128,11 @@ class Renderer:
             **frame,
             **placed(obj, camera),
             "number": number,
-            "albedo": material.diffuse_albedo,
-            "f0": material.specular_f0,
-            "alpha": material.alpha,
-            "weight_d": (material.weight, 1 - material.weight),
-            "weight_g": (material.masking_weight, 1 - material.masking_weight),
+            **surface_uniforms(material, model),
+            **own,
             "light_sharers": how.supersample**2 if how.filtered else 1e9,
-            "set_samples": split_samples(material, how.samples_per_set),
-            "pixel_samples": split_samples(material, how.samples_per_set * how.sets),
+            "set_samples": split_samples(material, how.samples_per_set, model),
+            "pixel_samples": split_samples(material, how.samples_per_set * how.sets, model),
             "prefilter_levels": float(LEVELS),
             "coverage_samples": how.msaa,
         }
