@@ -1,7 +1,7 @@
 #version 330
 #include "hammersley.glsl"
 #include "sample_ggx.glsl"
-#include "sample_visible_ggx.glsl"
+#include "visible_ggx.glsl"
 #include "beckmann_over_ggx.glsl"
 #include "mixture.glsl"
 #include "fresnel.glsl"
@@ -37,7 +37,7 @@ void main() {
         float v = 1.0 - u.y;
         vec2 rest = m.weight_d.x > 0.0 ? vec2(v * v * v, 3.0 * v * v) : vec2(v, 1.0);
 #if defined(MASKING_SMITH) || defined(G_GGX)
-        vec3 h = sample_visible_ggx(vec2(u.x, 1.0 - rest.x), wo, m.alpha);
+        vec3 h = visible_ggx(vec2(u.x, 1.0 - rest.x), wo, m.alpha);
         float density = G1_ggx(wo, m.alpha) / rest.y; // wo.h / n.wo cancels below
 #else
         vec3 h = sample_ggx(vec2(1.0 - rest.x, u.x), m.alpha);
