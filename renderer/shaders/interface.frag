@@ -1,6 +1,6 @@
 #version 330
 #include "hammersley.glsl"
-#include "sample_visible_ggx.glsl"
+#include "visible_ggx.glsl"
 #include "beckmann_over_ggx.glsl"
 #include "masking_smith.glsl"
 #define G_GGX
@@ -29,7 +29,7 @@ void main() {
         vec2 u = hammersley(uint(i), uint(points));
         u.y += 0.5 / float(points);
         float v = 1.0 - u.y, share = 3.0 * v * v; // more of the steepest: see directional_loss.frag
-        vec3 h = sample_visible_ggx(vec2(u.x, 1.0 - v * v * v), wo, alpha);
+        vec3 h = visible_ggx(vec2(u.x, 1.0 - v * v * v), wo, alpha);
         float c = dot(wo, h);
         if (c <= 0.0 || h.z <= 0.0) continue;
         vec3 down = ((c - fresnel_inside(eta, c)) * h - wo) / eta; // refracted
