@@ -10,7 +10,8 @@ from typing import Any
 HERE = Path(__file__).resolve().parent
 # What turns the inputs into a picture; a change in any of these is another maker.
 SOURCES = ("mixture.py", "physical.py", "scene_dict.py", "truths.py", "transport.py", "settings.py")
-SOURCES += ("caustics.py", "sampling.py", "../scenes/mesh.py", "../scenes/environment.py")
+SOURCES += ("caustics.py", "energy.py", "sampling.py")
+SOURCES += ("../scenes/mesh.py", "../scenes/environment.py")
 PACKAGES = ("mitsuba", "drjit")
 
 

@@ -6,10 +6,12 @@
 | `alpha`     | real    | microfacet width (roughness squared)                                |
 | `weight`    | real    | share of GGX in D; the rest is Beckmann                             |
 | `weight_g`  | real    | share of GGX's masking in G; the rest is Beckmann's                 |
-| `fresnel`   | text    | `schlick` or `exact`                                                |
-| `kd`        | text    | `one-minus-fresnel` or `interface`                                  |
+| `fresnel`   | text    | `schlick`, `f82` or `exact`                                         |
+| `kd`        | text    | `one-minus-fresnel`, `interface` or `conserving`                    |
 | `masking`   | text    | `paper` or `smith`                                                  |
-| `f0`        | 3 reals | `schlick`: specular reflectance at normal incidence                 |
+| `multiscatter` | text | `off` or `on`                                                       |
+| `f0`        | 3 reals | `schlick`, `f82`: specular reflectance at normal incidence          |
+| `f82`       | 3 reals | `f82`: the same where the cosine is 1/7                             |
 | `metallic`  | real    | `exact`: share of the conductor in F; the rest is the dielectric    |
 | `eta`       | real    | `exact`, if metallic < 1: of the dielectric, one for all channels   |
 | `metal_eta`, `metal_k` | 3 reals | `exact`, if metallic > 0: of the conductor               |
@@ -24,6 +26,8 @@ With h the half vector, c the albedo and all directions in the shading frame,
 and f = 0 unless n.wi > 0 and n.wo > 0. The model chooses
 
     F  schlick            f0 + (1 - f0) (1 - h.wi)^5      Schlick 1994, eq. 15
+       f82                the same less b h.wi (1 - h.wi)^6, b such that F(1/7) is f82, at least 0:
+                          Kutz et al. 2021 after Lazanyi and Szirmay-Kalos 2005
        exact              metallic F_conductor + (1 - metallic) F_dielectric
     G  paper              weight_g G1(wi) G1(wo) + (1 - weight_g) G_cavity
                           G1 of GGX: Walter et al. 2007, eq. 34
@@ -34,6 +38,12 @@ and f = 0 unless n.wi > 0 and n.wo > 0. The model chooses
                           which is linear in D; G1_beckmann with its erf (eq. 68)
     kd interface          instead of (1 - F) c / pi: (1 - metallic) times the mean, by weight, of
                           the diffuse components of `layer_ggx` and `layer_beckmann`
+       conserving         instead of (1 - F) c / pi: c / pi (1 - E(wi)) (1 - E(wo)) / (1 - E_mean),
+                          E(w) what the specular lobe sends back of even light to w, and E_mean its
+                          mean over a hemisphere (Kelemen and Szirmay-Kalos 2001, eq. 4)
+    multiscatter on       adds F_ms / pi (1 - E(wi)) (1 - E(wo)) / (1 - E_mean) to the specular
+                          lobe, E with F = 1, and F_ms = F_mean^2 E_mean / (1 - F_mean (1 - E_mean))
+                          (Kulla and Conty 2017); integrals in `reference.energy`
 
 Exact Fresnel reads the constants as the truth `physical` does: metals per channel, dielectrics by
 one eta, the mean of the channels, since `roughplastic` takes one. So a model with all three of
@@ -48,8 +58,12 @@ together. Parameters are opaque to Dr.Jit, so that a compiled kernel serves ever
 model, and weights at their ends, switch code.
 """
 
-import drjit as dr
+from functools import lru_cache
 
+import drjit as dr
+import numpy as np
+
+from reference import energy
 from reference.variant import mitsuba
 
 mi = mitsuba()
@@ -87,8 +101,9 @@ class Mixture(mi.BSDF):
             "rest": mi.Float(1 - weight),
             "rest_g": mi.Float(1 - weight_g),
         }
-        if self.fresnel == "schlick":
-            self.parameters["f0"] = mi.Color3f(list(props["f0"]))
+        if self.fresnel != "exact":
+            for name in ("f0", "f82") if self.fresnel == "f82" else ("f0",):
+                self.parameters[name] = mi.Color3f(list(props[name]))
         else:
             self.parameters["metallic"] = mi.Float(metallic)
             if self.has["metal"]:
@@ -98,6 +113,9 @@ class Mixture(mi.BSDF):
                 self.parameters["eta"] = mi.Float(float(props["eta"]))
         dr.make_opaque(*self.parameters.values())
         self.__dict__ |= self.parameters
+        self.lost, self.multiscatter = None, props.get("multiscatter", "off") == "on"
+        if self.multiscatter or (self.kd == "conserving" and self.has["diffuse"]):
+            self._lose_light(props)
         self.layers = {}
         if self.kd == "interface" and self.has["diffuse"]:
             self.layers = {n: props[f"layer_{n}"] for n in ("ggx", "beckmann") if self.has[n]}
@@ -122,8 +140,9 @@ class Mixture(mi.BSDF):
         length = dr.norm(wi + wo)
         h, wi_h = (wi + wo) / length, length / 2
         F = self._reflected(wi_h)
-        share_ggx, share_beckmann, share_diffuse = self._shares(wi, glossy, diffuse)
+        share_ggx, share_beckmann, share_cosine = self._shares(wi, glossy, diffuse)
         f, density = mi.Color3f(0), mi.Float(0)
+        lost = self._lost(wi) * self._lost(wo) if self.lost else None
         if glossy:
             ggx = D_ggx(h, self.alpha) if self.has["ggx"] else 0
             beckmann = D_beckmann(h, self.alpha) if self.has["beckmann"] else 0
@@ -134,13 +153,18 @@ class Mixture(mi.BSDF):
                 density += share_ggx * ggx / (4 * projected_area_ggx(wi, self.alpha))
             if self.has["beckmann"]:
                 density += share_beckmann * beckmann / (4 * projected_area_beckmann(wi, self.alpha))
+        if glossy and self.multiscatter:
+            f += self.back * (lost.w * dr.inv_pi)
         f_cos = f * wo.z
+        if diffuse or self.multiscatter:
+            density += share_cosine * wo.z * dr.inv_pi
         if diffuse:
             if self.layers:
                 f_cos += self._from_below(si, wo, active)
+            elif self.kd == "conserving":
+                f_cos += mi.Color3f(lost.x, lost.y, lost.z) * self.albedo * (dr.inv_pi * wo.z)
             else:
                 f_cos += self._transmitted(wi_h) * self.albedo * (dr.inv_pi * wo.z)
-            density += share_diffuse * wo.z * dr.inv_pi
         return f_cos & active, dr.select(active, density, 0)
 
     def sample(self, ctx, si, sample1, sample2, active=True):
@@ -157,7 +181,8 @@ class Mixture(mi.BSDF):
             chosen = (sample1 >= share_ggx) & (sample1 < share_ggx + share_beckmann)
             wo = dr.select(chosen, mi.reflect(wi, visible_beckmann(wi, sample2, self.alpha)), wo)
         value, density = self.eval_pdf(ctx, si, wo, active & (wi.z > 0))
-        drawn_diffuse = sample1 >= share_ggx + share_beckmann
+        # The cosine lobe serves light off many facets too: glossy, if only that is asked for.
+        drawn_diffuse = (sample1 >= share_ggx + share_beckmann) if diffuse else mi.Bool(False)
         bs = dr.zeros(mi.BSDFSample3f)
         bs.wo, bs.pdf, bs.eta = wo, density, 1
         bs.sampled_component = dr.select(drawn_diffuse, mi.UInt32(1), mi.UInt32(0))
@@ -170,7 +195,8 @@ class Mixture(mi.BSDF):
 
     def to_string(self):
         values = [f"{name}={getattr(self, name)}" for name in self.parameters]
-        return f"Mixture[{', '.join([self.fresnel, self.kd, self.masking, *values])}]"
+        model = [self.fresnel, self.kd, self.masking, f"multiscatter={self.multiscatter}"]
+        return f"Mixture[{', '.join([*model, *values])}]"
 
     def _asked(self, ctx):
         """Whether a context wants the glossy and the diffuse component."""
@@ -181,9 +207,11 @@ class Mixture(mi.BSDF):
 
     def _shares(self, wi, glossy, diffuse):
         """Chances that GGX, Beckmann and the cosine lobe are drawn; they sum to 1."""
-        if glossy and diffuse:
+        if glossy and (diffuse or self.multiscatter):
             F = dr.mean(self._reflected(wi.z))
-            below = (1 - F) * dr.mean(self.albedo)
+            below = (1 - F) * dr.mean(self.albedo) if diffuse else mi.Float(0)
+            if self.multiscatter:
+                below += dr.mean(self.back) * self._lost(wi).w * self.lost_root
             specular = dr.maximum(F / (F + below), SPECULAR_SHARE)
         else:
             specular = mi.Float(glossy)
@@ -197,6 +225,9 @@ class Mixture(mi.BSDF):
         """F by the case's model, per channel."""
         if self.fresnel == "schlick":
             return F_schlick(self.f0, cos_theta)
+        if self.fresnel == "f82":
+            dropped = F_schlick(self.f0, cos_theta) - self._drop(cos_theta)
+            return dr.maximum(dropped, 0)
         F = mi.Color3f(0)
         if self.has["dielectric"]:
             F += (1 - self.metallic) * mi.fresnel(cos_theta, self.eta)[0]
@@ -205,12 +236,34 @@ class Mixture(mi.BSDF):
         return F
 
     def _transmitted(self, cos_theta):
-        """1 - F; Schlick's without the cancellation where F nears 1."""
-        if self.fresnel == "schlick":
-            c = dr.clip(cos_theta, 0, 1)
-            m = 1 - c
-            return (1 - self.f0) * (c * (1 + m * (1 + m * (1 + m * (1 + m)))))
-        return 1 - self._reflected(cos_theta)
+        """1 - F; Schlick's and F82 without the cancellation where F nears 1."""
+        if self.fresnel == "exact":
+            return 1 - self._reflected(cos_theta)
+        c = dr.clip(cos_theta, 0, 1)
+        m = 1 - c
+        passed = (1 - self.f0) * (c * (1 + m * (1 + m * (1 + m * (1 + m)))))
+        return dr.minimum(passed + self._drop(c), 1) if self.fresnel == "f82" else passed
+
+    def _drop(self, cos_theta):
+        """What F82 takes from Schlick's F, so that it is f82 where the cosine is 1/7."""
+        c, at = dr.clip(cos_theta, 0, 1), 1 / 7
+        b = (F_schlick(self.f0, mi.Float(at)) - self.f82) / (at * (1 - at) ** 6)
+        return b * (c * dr.power(1 - c, 6))
+
+    def _lose_light(self, props):
+        """Tabulate what the specular lobe does not send back."""
+        shape = tuple(float(props[n]) for n in ("alpha", "weight", "weight_g"))
+        factors, back, root = _lost_light(
+            *shape, self.masking, self.multiscatter, _constants(props)
+        )
+        self.lost = mi.Texture1f(mi.TensorXf(factors.astype(np.float32)), use_accel=False)
+        self.back, self.lost_root = mi.Color3f(*map(float, back)), mi.Float(root)
+        dr.make_opaque(self.back, self.lost_root)
+
+    def _lost(self, w):
+        """The factors of `energy.lost_light`: xyz for the diffuse lobe, w for facets."""
+        texel = (energy.place(dr.clip(w.z, 0, 1)) * (energy.TEXELS - 1) + 0.5) / energy.TEXELS
+        return mi.Vector4f(self.lost.eval(mi.Array1f(texel)))
 
     def _from_below(self, si, wo, active):
         """Diffuse light through the rough interface, f cos(theta_o)."""
@@ -244,6 +297,41 @@ class Mixture(mi.BSDF):
         if self.has["masking_beckmann"]:
             area += self.rest_g * projected_area_beckmann(w, self.alpha)
         return area
+
+
+def _constants(props):
+    """The model of F, and the parameters that it reads: what `energy` needs, to be told apart."""
+    if props["fresnel"] != "exact":
+        names = ("f0", "f82") if props["fresnel"] == "f82" else ("f0",)
+        return (props["fresnel"], *(_triple(props[n]) for n in names))
+    parts, metallic = [], float(props["metallic"])
+    if metallic < 1:
+        parts.append((1 - metallic, (float(props["eta"]),) * 3, (0.0,) * 3))
+    if metallic > 0:
+        parts.append((metallic, *(_triple(props[n]) for n in ("metal_eta", "metal_k"))))
+    return ("exact", *parts)
+
+
+def _triple(values):
+    return tuple(float(v) for v in values)
+
+
+@lru_cache(maxsize=256)
+def _lost_light(alpha, weight, weight_g, masking, multiscatter, constants):
+    """`energy.lost_light`, once for each surface and model."""
+    model, *values = constants
+    if model == "exact":
+        parts = [(share, np.array(eta), np.array(k)) for share, eta, k in values]
+
+        def fresnel(c):
+            return sum(share * energy.exact(eta, k, c) for share, eta, k in parts)
+    else:
+        form, arrays = getattr(energy, model), [np.array(v) for v in values]
+
+        def fresnel(c):
+            return form(*arrays, c)
+
+    return energy.lost_light(alpha, weight, weight_g, masking, fresnel, multiscatter)
 
 
 def F_conductor(eta, k, cos_theta):

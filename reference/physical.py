@@ -28,11 +28,14 @@ def physical_bsdf(obj: Object) -> tuple[dict, list[str]]:
     """The object's material as a Mitsuba dictionary, with notes on what could not be matched.
 
     Raises:
-        InputError: a metal is given by its F0 alone, so eta and k are unknown.
+        InputError: a metal is given by its F0 alone, or a dielectric has an F0 of 1, so that eta
+            and k are unknown.
     """
     material = obj.material
     if material.metallic > 0:
         named_metal(obj)
+    if material.metallic < 1:
+        one_eta(obj)
     patches = {}
     for distribution in DISTRIBUTIONS:
         if material.weight == 1 - DISTRIBUTIONS[distribution]:
@@ -56,16 +59,27 @@ def named_metal(obj: Object) -> Optics:
     return metal
 
 
-def one_eta(material: Material) -> float:
-    """The dielectric's eta as the one number that `roughplastic` takes."""
-    return float(np.mean(material.f0.eta))
+def one_eta(obj: Object) -> float:
+    """The eta of the object's dielectric as the one number that `roughplastic` takes.
+
+    Raises:
+        InputError: its F0 is 1, which no eta has.
+    """
+    try:
+        return obj.material.one_eta
+    except ValueError as error:
+        problem = "a dielectric of F0 = 1 has no eta, which exact Fresnel needs"
+        where = f"object '{obj.name}'"
+        raise InputError(where, "material.f0", problem, "give f0 below 1") from error
 
 
 def eta_notes(obj: Object) -> list[str]:
     """A note if `one_eta` changes what the object reflects."""
-    f0 = ((one_eta(obj.material) - 1) / (one_eta(obj.material) + 1)) ** 2
+    if obj.material.metallic == 1:
+        return []
+    f0 = ((one_eta(obj) - 1) / (one_eta(obj) + 1)) ** 2
     gap = max(abs(f0 - f) for f in obj.material.f0.f0)
-    if obj.material.metallic == 1 or gap <= NOTABLE:
+    if gap <= NOTABLE:
         return []
     return [f"{obj.name}: F0 is {f0:.4f} in every channel, off by up to {gap:.4f}"]
 
@@ -92,7 +106,7 @@ def _metal(material: Material, distribution: str) -> dict:
 
 def plastic(material: Material, distribution: str) -> dict:
     """`roughplastic` of one NDF whose albedo, seen from outside, is the material's."""
-    eta = one_eta(material)
+    eta = material.one_eta
     reflectance = solve_reflectance(eta, material.alpha, distribution, material.albedo)
     return _rough_plastic(eta, material.alpha, distribution, reflectance)
 

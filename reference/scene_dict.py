@@ -50,25 +50,26 @@ def model_bsdf(obj: Object, model: Model) -> tuple[dict, list[str]]:
     """The object's material under the case's model, with notes on what could not be matched.
 
     Raises:
-        InputError: the model needs eta and k of a metal that is given by its F0 alone.
+        InputError: the model needs eta and k of a material that is given by its F0 alone.
     """
     material = obj.material
     bsdf = {
         "type": "mixture",
-        **model.model_dump(include={"fresnel", "kd", "masking"}),
+        **model.model_dump(),
         "albedo": list(material.diffuse_albedo),
         "alpha": material.alpha,
         "weight": material.weight,
         "weight_g": material.masking_weight,
     }
-    if model.fresnel == "schlick":
-        return bsdf | {"f0": list(material.specular_f0)}, []
+    if model.fresnel != "exact":
+        bsdf["f0"] = list(material.specular_f0)
+        return bsdf | ({"f82": list(material.specular_f82)} if model.fresnel == "f82" else {}), []
     bsdf["metallic"] = material.metallic
     if material.metallic > 0:
         metal = named_metal(obj)
         bsdf |= {"metal_eta": list(metal.eta), "metal_k": list(metal.k)}
     if material.metallic < 1:
-        bsdf["eta"] = one_eta(material)
+        bsdf["eta"] = one_eta(obj)
     if model.kd == "interface" and max(material.diffuse_albedo) > 0:
         used = {"ggx": material.weight > 0, "beckmann": material.weight < 1}
         bsdf |= {f"layer_{name}": plastic(material, name) for name in used if used[name]}

@@ -364,4 +364,6 @@ def _optics(material: Material, kind: Kind, model: Model) -> dict[str, Any]:
             "eta": material.f0.eta,
             "metal": (material.metal.eta, material.metal.k) if material.metal else None,
         }
+    if kind == "model" and model.fresnel == "f82":
+        surface["f82"] = material.specular_f82
     return surface | {"albedo": material.diffuse_albedo, "f0": material.specular_f0}

@@ -38,6 +38,18 @@ LOBES = (
     Feature("DIFFUSE", lambda m: max(m.diffuse_albedo) > 0, ("irradiance_map",)),
 )
 
+# What a model adds, by the material that needs it.
+MODELS: dict[str, Callable[[Material, Model], bool]] = {
+    "MASKING_SMITH": lambda _, model: model.masking == "smith",
+    "FRESNEL_F82": lambda _, model: model.fresnel == "f82",
+    "FRESNEL_METAL": lambda m, model: model.fresnel == "exact" and m.metallic > 0,
+    "FRESNEL_DIELECTRIC": lambda m, model: model.fresnel == "exact" and m.metallic < 1,
+    "KD_INTERFACE": lambda m, model: model.kd == "interface" and max(m.diffuse_albedo) > 0,
+    "KD_CONSERVING": lambda m, model: model.kd == "conserving" and max(m.diffuse_albedo) > 0,
+    "MULTISCATTER": lambda _, model: model.multiscatter == "on",
+}
+LOST_LIGHT = {"KD_INTERFACE", "KD_CONSERVING", "MULTISCATTER"}  # these read a table
+
 # Mesa's llvmpipe ends the loops of a shader, silently, after 65,535 turns in all.
 MOST_SAMPLES = 65_000
 
@@ -48,11 +60,11 @@ MOST_RAYS = 16
 
 FINE = "_fine"  # ends the names of maps made much more finely than a technique would
 
-# What the shaders can draw of a model. Truths cover all of it.
-DRAWN = {
+# What the split sum can draw of a model: its table is of Schlick's F, with the paper's kd. Samples
+# of the BRDF itself draw all of it.
+SPLIT_SUM_DRAWS = {
     "fresnel": ("schlick",),
     "kd": ("one-minus-fresnel",),
-    "masking": ("paper", "smith"),
     "multiscatter": ("off",),
 }
 
@@ -139,7 +151,8 @@ class Technique:
 
     def cannot_draw(self, model: Model) -> str:
         """What of a model this technique cannot draw, in one line; empty if it can draw all."""
-        fields = [f for f, drawn in DRAWN.items() if getattr(model, f) not in drawn]
+        draws = {} if self.samples else SPLIT_SUM_DRAWS
+        fields = [f for f, drawn in draws.items() if getattr(model, f) not in drawn]
         return ", ".join(f"{f} = '{getattr(model, f)}'" for f in fields)
 
 
@@ -196,24 +209,25 @@ def features(
 ) -> frozenset[str]:
     """The names of the features that a material needs under a model, and of those forced."""
     needed = {f.name for f in LOBES if f.needed(material)} | set(forced)
-    if model.masking == "smith":
-        needed.add("MASKING_SMITH")
+    needed |= {name for name, asked in MODELS.items() if asked(material, model)}
     if not diffuse:
         needed.add("SPECULAR_LIGHT")  # the lobe stays, or its share of the samples would go
     return frozenset(needed)
 
 
-def split_samples(material: Material, samples: int) -> tuple[int, int, int]:
+def split_samples(material: Material, samples: int, model: Model = PAPER) -> tuple[int, int, int]:
     """Share samples out to the lobes (GGX, Beckmann, cosine).
 
     The diffuse lobe gets a share by its albedo against F0, between a fifth and a half: the
-    balance heuristic keeps any split unbiased. Of 4 samples or more each needed lobe gets some; of
-    fewer GGX goes before Beckmann, whose short tail would hardly ever find what GGX reflects.
+    balance heuristic keeps any split unbiased. Light that meets a second facet comes back from
+    everywhere, as diffuse light does, and counts with it. Of 4 samples or more each needed lobe
+    gets some; of fewer GGX goes before Beckmann, whose short tail would hardly ever find what GGX
+    reflects.
     """
     diffuse = max(material.diffuse_albedo)
     share = 0.0
-    if diffuse > 0:
-        share = min(max(diffuse / (diffuse + max(material.specular_f0)), 0.2), 0.5)
+    if diffuse > 0 or model.multiscatter == "on":
+        share = min(max(diffuse / max(diffuse + max(material.specular_f0), 1e-9), 0.2), 0.5)
     specular = samples - round(share * samples)
     ggx = round(material.weight * specular)
     if 0 < material.weight < 1:

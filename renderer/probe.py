@@ -6,9 +6,11 @@ import moderngl
 import numpy as np
 
 from renderer.context import context
-from renderer.features import features
+from renderer.features import LOST_LIGHT, features
 from renderer.glsl import source
+from renderer.precompute.lost_light import lost_light
 from renderer.program import bind_maps, compiled, fill, set_uniforms
+from renderer.surface import surface_uniforms
 from renderer.targets import release
 from scenes.schema import PAPER, Material, Model
 
@@ -90,18 +92,21 @@ def _padded(values: np.ndarray) -> np.ndarray:
 def brdf_values(
     material: Material, wi: np.ndarray, wo: np.ndarray, model: Model = PAPER
 ) -> np.ndarray:
-    """The renderer's f(wi, wo) without the cosine, (n, 3), for unit directions (n, 3), n = +z."""
+    """The renderer's f(wi, wo) without the cosine, (n, 3), for unit directions (n, 3), n = +z.
+
+    Raises:
+        ValueError: the model needs an eta that the material does not have.
+    """
+    defines = features(material, model)
+    uniforms, maps = surface_uniforms(material, model), {}
+    if defines & LOST_LIGHT:
+        lost = lost_light(material, model)
+        uniforms["multiscatter"], maps["lost_light"] = lost.multiscatter, lost.texture
     return probe(
-        "vec4(brdf(wi.xyz, wo.xyz, Material(albedo, f0, alpha, weight_d, weight_g)), 0.0)",
+        "vec4(brdf(wi.xyz, wo.xyz, drawn_material()), 0.0)",
         {"wi": wi, "wo": wo},
-        ("brdf.glsl",),
-        features(material, model),
-        {
-            "albedo": material.diffuse_albedo,
-            "f0": material.specular_f0,
-            "alpha": material.alpha,
-            "weight_d": (material.weight, 1 - material.weight),
-            "weight_g": (material.masking_weight, 1 - material.masking_weight),
-        },
-        "uniform vec3 albedo, f0; uniform float alpha; uniform vec2 weight_d, weight_g;",
+        ("brdf.glsl", "drawn_material.glsl"),
+        defines,
+        uniforms,
+        maps=maps,
     )[:, :3]

@@ -8,6 +8,7 @@ from typing import Any
 from reports.noise import CONFIDENCE, Estimate, sidak
 from reports.results import Missing, Results, Row, Verdict
 from scenes.errors import InputError
+from scenes.schema import PHYSICAL, Model
 from scenes.suite import Budget, Entry, Sampling
 
 UPPER, LOWER = ("energy_error", "energy_local"), ("ssim", "silhouette")
@@ -52,17 +53,26 @@ def check_rules(
         for identity in _identities(entry, [*entry.techniques, outside])
     ]
     for number, rule in enumerate(rules):
-        if rule.truth.startswith("physical"):
+        if not any(judged_against(rule.truth, e.case.model) for e in entries):
             problem = f"nothing is judged against `{rule.truth}`, which draws another model"
-            raise InputError(
-                path, f"budget.{number}.truth", problem, "use `global` or `unoccluded`"
-            )
+            remedy = "use `global` or `unoccluded`"
+            if rule.truth == "physical":
+                remedy += ", or model = 'physical' in a run"
+            raise InputError(path, f"budget.{number}.truth", problem, remedy)
         wanted = rule.selectors | {"technique": rule.technique, "truth": rule.truth}
         if not any(all(row[k] == v for k, v in wanted.items()) for row in rows):
             shown = ", ".join(f"{k} = {v}" for k, v in wanted.items())
             raise InputError(
                 path, f"budget.{number}", f"matches no row ({shown})", "mend or remove it"
             )
+
+
+def judged_against(truth: str, model: Model) -> bool:
+    """Whether a budget may hold a candidate that draws a model against a truth.
+
+    `physical` draws the model PHYSICAL, whatever the case's, and `physical-smith` is only told.
+    """
+    return not truth.startswith("physical") or (truth == "physical" and model == PHYSICAL)
 
 
 def family_size(
@@ -92,6 +102,8 @@ def _identities(entry: Entry, techniques: Sequence[str]) -> Iterator[dict[str, A
     for obj in entry.case.judged:
         for technique in techniques:
             for truth in entry.truths:
+                if not judged_against(truth, entry.case.model):
+                    continue
                 yield {
                     "scene": entry.case.scene,
                     "environment": entry.case.environment.name,

@@ -29,11 +29,11 @@ def judged_rows(
     Args:
         frames: the candidates' pictures by technique.
         failures: why a technique gave no picture; its rows fail with that problem.
-        rules: the suite's budgets. None holds against `physical` and `physical-smith`: they draw
-            another model than the paper's, so such rows are told and never judged.
+        rules: the suite's budgets. Against a truth that draws another model than the case's none
+            holds (`gate.judged_against`): such rows are told and not judged.
         family: how many verdicts must hold together (`gate.family_size`).
     """
-    rules = [] if truth.name.startswith("physical") else list(rules)
+    rules = list(rules) if gate.judged_against(truth.name, case.model) else []
     rows = [
         Row(**_identity(case, obj, label), **_cost(truth), problem=problem)
         for label, problem in failures.items()

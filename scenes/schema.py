@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import hashlib
 import math
 import reprlib
@@ -32,6 +33,7 @@ Place = tuple[Coordinate, Coordinate, Coordinate]  # squares stay inside float32
 PRIMITIVES = ("sphere", "plane")
 # Rays are float32, told apart by 2^-24 of their length: so they hit within a 256th of a pixel.
 LEAST_PIXEL = 2.0**-16  # radians
+COSINE_82 = 1 / 7  # where F82 is given: Lazanyi and Szirmay-Kalos 2005
 ALPHA_MIN = 1e-4  # Mitsuba's microfacet plugins floor alpha here, so both sides do.
 
 
@@ -52,6 +54,36 @@ class Optics(Strict):
     eta: tuple[Positive, Positive, Positive] | None = None
     k: tuple[NonNegative, NonNegative, NonNegative] | None = None
     name: str = ""
+
+    @property
+    def f82(self) -> RGB:
+        """Reflectance where the cosine is 1/7, about 82 degrees, (3,): by the Fresnel equations.
+
+        The tint of F82 is a share of Schlick's reflectance there (Kutz et al. 2021), so it is at
+        most that; without eta and k it is just that.
+        """
+        schlick = [schlick_82(f) for f in self.f0]
+        if self.eta is None or self.k is None:
+            return tuple(schlick)
+        exact = [reflectance(COSINE_82, *both) for both in zip(self.eta, self.k, strict=True)]
+        return tuple(map(min, exact, schlick))
+
+
+def schlick_82(f0: float) -> float:
+    """Schlick's reflectance where the cosine is 1/7."""
+    return f0 + (1 - f0) * (1 - COSINE_82) ** 5
+
+
+def reflectance(cosine: float, eta: float, k: float) -> float:
+    """Unpolarised reflectance of a smooth interface in vacuum, by complex amplitudes.
+
+    Born and Wolf 1999, 7th ed., eq. 1.5.21.
+    """
+    n = complex(eta, k)
+    inside = cmath.sqrt(n * n - (1 - cosine**2))
+    s = (cosine - inside) / (cosine + inside)
+    p = (n * n * cosine - inside) / (n * n * cosine + inside)
+    return (abs(s) ** 2 + abs(p) ** 2) / 2
 
 
 def _named_optics(value: Any, metal: bool) -> Any:
@@ -147,6 +179,42 @@ class Material(Strict):
         )
 
     @property
+    def specular_f82(self) -> RGB:
+        """Reflectance of the whole surface at 82 degrees under F82, (3,), mixed by metallic.
+
+        The dielectric part keeps Schlick's: F82 was made for metals. Of what bk7 sends back of
+        even light Schlick's loses 7 %, and F82 with bk7's own reflectance at 82 degrees 11 %.
+        """
+        dielectric = [schlick_82(f) for f in self.f0.f0]
+        metal = self.metal.f82 if self.metal else dielectric
+        return tuple(
+            (1 - self.metallic) * d + self.metallic * m
+            for d, m in zip(dielectric, metal, strict=True)
+        )
+
+    @property
+    def one_eta(self) -> float:
+        """The dielectric part's eta as one number for all channels: their mean.
+
+        Raises:
+            ValueError: its F0 is 1, which no eta has.
+        """
+        if self.f0.eta is None:
+            raise ValueError("a dielectric of F0 = 1 has no eta; give f0 below 1")
+        return sum(self.f0.eta) / 3
+
+    @property
+    def metal_index(self) -> tuple[RGB, RGB]:
+        """The metal part's eta and k, (3,) each.
+
+        Raises:
+            ValueError: it is given by its F0 alone.
+        """
+        if self.metal is None or self.metal.eta is None or self.metal.k is None:
+            raise ValueError("a metal given as bare F0 has no eta and k; name a metal")
+        return self.metal.eta, self.metal.k
+
+    @property
     def diffuse_albedo(self) -> RGB:
         """Albedo of the diffuse lobe, (3,): none where the surface is metal."""
         return tuple((1 - self.metallic) * c for c in self.albedo)
@@ -155,18 +223,21 @@ class Material(Strict):
 class Model(Strict):
     """What the BRDF is, whoever integrates it. The default is the paper's.
 
-    - fresnel: Schlick's from F0, or the `exact` equations from eta and k.
-    - kd: diffuse light is (1 - F(h·wi)) albedo / pi under the integral, or what an `interface`
-      over a coloured layer gives back, each way through it paid for.
+    - fresnel: Schlick's from F0; `f82`, the same with the metal's own reflectance at 82 degrees
+      (Kutz et al. 2021); or the `exact` equations from eta and k.
+    - kd: diffuse light is (1 - F(h·wi)) albedo / pi under the integral; what an `interface`
+      over a coloured layer gives back, each way through it paid for; or, `conserving`, what the
+      specular lobe leaves of both directions' light (Kelemen and Szirmay-Kalos 2001).
     - masking: the `paper`'s is G = sum of w_j G_j with separable Smith for GGX and the V-cavity of
       Cook and Torrance 1982 for Beckmann; `smith` is separable with 1 / G1 = sum of w_j / G1_j,
       Smith's own rule for a mixture of facets (Heitz 2014, eq. 14, is linear in D).
+    - multiscatter: `on` gives back what a second facet catches (Kulla and Conty 2017).
     """
 
-    fresnel: Literal["schlick", "exact"] = "schlick"
-    kd: Literal["one-minus-fresnel", "interface"] = "one-minus-fresnel"
+    fresnel: Literal["schlick", "f82", "exact"] = "schlick"
+    kd: Literal["one-minus-fresnel", "interface", "conserving"] = "one-minus-fresnel"
     masking: Literal["paper", "smith"] = "paper"
-    multiscatter: Literal["off"] = "off"
+    multiscatter: Literal["off", "on"] = "off"
 
     @model_validator(mode="after")
     def _an_interface_is_exact(self) -> Model:
@@ -178,17 +249,31 @@ class Model(Strict):
 
 PAPER = Model()
 PHYSICAL = Model(fresnel="exact", kd="interface", masking="smith")
+NAMED_MODELS = {"paper": PAPER, "physical": PHYSICAL}
+
+
+def _named_model(value: Any) -> Any:
+    """Turn a model's name into the model."""
+    if not isinstance(value, str):
+        return value
+    if value not in NAMED_MODELS:
+        named = " or ".join(NAMED_MODELS)
+        raise ValueError(f"unknown model {show(value)}; use {named}, or a table of its fields")
+    return NAMED_MODELS[value]
+
+
+ModelOrName = Annotated[Model, BeforeValidator(_named_model)]
 
 
 def model_steps(model: Model) -> list[Model]:
-    """From a model to PHYSICAL, one field a step: Fresnel, then kd, then masking.
+    """From a model to PHYSICAL in steps: Fresnel, then kd, then masking and what it loses.
 
     A field that is physical already makes a step that changes nothing.
     """
     steps = []
-    for field in ("fresnel", "kd", "masking"):
+    for fields in ({"fresnel"}, {"kd"}, {"masking", "multiscatter"}):
         # Rebuilt, not copied: every step is validated.
-        model = Model(**model.model_dump() | {field: getattr(PHYSICAL, field)})
+        model = Model(**model.model_dump() | PHYSICAL.model_dump(include=fields))
         steps.append(model)
     return steps
 

@@ -12,13 +12,14 @@ from scenes.errors import InputError
 from scenes.files import find, parse, read_toml
 from scenes.mesh import FORMATS as MESH_FORMATS
 from scenes.schema import (
+    PAPER,
     PRIMITIVES,
     Camera,
     Case,
     Degrees,
     Environment,
     Material,
-    Model,
+    ModelOrName,
     Object,
     Pixels,
     Positive,
@@ -114,7 +115,7 @@ class Run(Strict):
     resolution: Resolution | None = None
     truths: Truths | None = None
     techniques: Techniques | None = None
-    model: Model | None = None
+    model: ModelOrName | None = None
     split_model: Switch = False
 
 
@@ -177,7 +178,7 @@ class Suite(Strict):
     techniques: Techniques
     truths: Truths
     allow_inconclusive: Switch = False
-    model: Model = Model()
+    model: ModelOrName = PAPER
     reference: Sampling = Sampling()
     run: Annotated[tuple[Run, ...], Field(min_length=1)]
     budget: tuple[Budget, ...] = ()

@@ -7,6 +7,11 @@
 #include "sample_beckmann.glsl"
 #include "sample_cosine.glsl"
 
+// Light that comes back from everywhere: diffuse, or off a second facet.
+#if defined(DIFFUSE) || defined(MULTISCATTER)
+#define COSINE
+#endif
+
 // The model's exact BRDF over sampled directions with filtered look-ups. Each lobe has its own
 // share of the samples; the balance heuristic (Veach and Guibas 1995) joins them without bias.
 uniform ivec3 pixel_samples; // GGX, Beckmann, cosine, where a pixel has one shading point
@@ -28,7 +33,7 @@ float sample_density(vec3 wi, vec3 wo, Material m, ivec3 count) {
 #ifdef D_BECKMANN
     density += float(count.y) * pdf_half_vector(D_beckmann(h, m.alpha), h, wo_h);
 #endif
-#ifdef DIFFUSE
+#ifdef COSINE
     density += float(count.z) * wi.z * INV_PI;
 #endif
     return density;
@@ -79,7 +84,7 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
         L += incident(reflect(-wo, sample_beckmann(u, m.alpha)), wo, to_world, m, count, sharers);
     }
 #endif
-#ifdef DIFFUSE
+#ifdef COSINE
     for (int i = 0; i < count.z; ++i) {
         vec2 u = sample_point(i, count.z, set, sets, shift);
         L += incident(sample_cosine(u), wo, to_world, m, count, sharers);

@@ -7,14 +7,35 @@
 #include "sample_beckmann.glsl"
 
 // What a surface sends to another one: coarsely, since it is seen through a reflection.
-uniform sampler2D materials;  // of each object: albedo, alpha; F0, share of GGX in D; in G
+uniform sampler2D materials;  // of each object, as renderer/surface.py lays them out
 uniform sampler2D normals;    // of each vertex
 uniform sampler2D irradiance; // of each vertex, of all that shines on it
 
 Material material_of(int object) {
     vec4 a = texelFetch(materials, ivec2(0, object), 0), b = texelFetch(materials, ivec2(1, object), 0);
     vec4 c = texelFetch(materials, ivec2(2, object), 0);
-    return Material(a.rgb, b.rgb, a.a, vec2(b.a, 1.0 - b.a), vec2(c.r, 1.0 - c.r));
+    Material m;
+    m.albedo = a.rgb;
+    m.f0 = b.rgb;
+    m.alpha = a.a;
+    m.weight_d = vec2(b.a, 1.0 - b.a);
+    m.weight_g = vec2(c.x, 1.0 - c.x);
+#ifdef FRESNEL_F82
+    m.f82 = texelFetch(materials, ivec2(3, object), 0).rgb;
+#endif
+#if defined(FRESNEL_METAL) || defined(FRESNEL_DIELECTRIC)
+    m.metallic = c.y;
+    m.eta = c.z;
+    m.metal_eta = texelFetch(materials, ivec2(4, object), 0).rgb;
+    m.metal_k = texelFetch(materials, ivec2(5, object), 0).rgb;
+#endif
+#ifdef MULTISCATTER
+    m.multiscatter = texelFetch(materials, ivec2(6, object), 0).rgb;
+#endif
+#ifdef LOST_LIGHT
+    lost_row = (float(object) + 0.5) / float(textureSize(materials, 0).y);
+#endif
+    return m;
 }
 
 // The share of diffuse light that leaves towards v, 1 - F(h.wi) averaged over wi by its cosine.

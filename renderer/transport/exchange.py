@@ -1,5 +1,7 @@
 """The light that a scene's surfaces send one another, bounce by bounce."""
 
+from dataclasses import dataclass
+from time import perf_counter
 from typing import Any
 
 import moderngl
@@ -13,16 +15,24 @@ from renderer.transport.scene import ROW, SceneGeometry
 ASKED = (1, 1, 1, 1, 4)
 
 
+@dataclass(frozen=True, eq=False)
+class Exchanged:
+    """`irradiance` of each vertex and `local_radiance` of each sight, row by row; seconds taken."""
+
+    maps: Maps
+    seconds: float
+
+
 def exchange(
     geometry: SceneGeometry, uniforms: dict[str, Any], maps: Maps, defines: frozenset[str]
-) -> Maps:
-    """The maps `irradiance` of each vertex and `local_radiance` of each sight, row by row.
+) -> Exchanged:
+    """Send light from surface to surface.
 
     Args:
         uniforms, maps: of the environment and the materials.
         defines: the features that any of the materials needs.
     """
-    gl = context()
+    start, gl = perf_counter(), context()
     sides = {"irradiance": geometry.vertices, "local_radiance": geometry.sights}
     pairs = {
         name: [gl.texture((ROW, max(-(-count // ROW), 1)), 4, dtype="f4") for _ in range(2)]
@@ -49,4 +59,5 @@ def exchange(
         for texture in pairs[name]:
             if texture is not now[name]:
                 texture.release()
-    return now
+    gl.finish()
+    return Exchanged(now, perf_counter() - start)

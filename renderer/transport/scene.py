@@ -2,16 +2,19 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import moderngl
 import numpy as np
 
 from renderer.context import context
-from renderer.program import Maps
+from renderer.objects import placed_in_world
+from renderer.program import Maps, program
 from renderer.transport import stored
 from renderer.transport.bvh import build
 from renderer.transport.tessellation import Tessellation, tessellate
 from renderer.transport.visibility import NOBODY, VERTEX, Visibility, bake
+from renderer.view import View
 from scenes.schema import Case
 
 ROW = 4096  # as in shaders/rows.glsl
@@ -37,6 +40,17 @@ class SceneGeometry:
     vertices: int
     sights: int
     size: float
+
+    def drawn(
+        self, index: int, camera: View
+    ) -> tuple[moderngl.Program, moderngl.VertexArray, dict[str, Any]]:
+        """The program that rasterises an object, its triangles, and where they are."""
+        raster = program("placed.vert", "surface.frag", frozenset({"PLACED"}))
+        vertices, indices = self.buffers[index]
+        layout = (vertices, "3f 3f", "position", "normal")
+        array = context().vertex_array(raster, [layout], indices)
+        where = placed_in_world(self.middle, camera)
+        return raster, array, where | {"first_triangle": self.first_triangle[index]}
 
 
 def scene_geometry(case: Case) -> SceneGeometry:

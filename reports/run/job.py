@@ -128,14 +128,19 @@ def _matches(name: str, pattern: str) -> bool:
 
 
 def _check_physical(entry: Entry, material: Material, path: Path) -> None:
-    """Refuse exact Fresnel for a metal of unknown eta and k, before anything is drawn."""
-    if material.metallic == 0 or material.metal.eta is not None:
+    """Refuse exact Fresnel where eta and k are unknown, before anything is drawn."""
+    if material.metallic > 0 and material.metal.eta is None:
+        problem = f"'{material.name}' gives its metal as F0 alone, without eta and k"
+        remedy = "name a metal"
+    elif material.metallic < 1 and material.f0.eta is None:
+        problem = f"'{material.name}' has an F0 of 1, which no eta gives"
+        remedy = "give f0 below 1"
+    else:
         return
-    problem = f"'{material.name}' gives its metal as F0 alone, without eta and k"
     if entry.split_model or any(t.startswith("physical") for t in entry.truths):
-        raise InputError(path, "truths: physical", problem, "name a metal, or leave `physical` out")
+        raise InputError(path, "truths: physical", problem, f"{remedy}, or leave `physical` out")
     if entry.case.model.fresnel == "exact":
-        raise InputError(path, "model.fresnel", problem, "name a metal, or use 'schlick'")
+        raise InputError(path, "model.fresnel", problem, f"{remedy}, or use 'schlick'")
 
 
 @dataclass(frozen=True)

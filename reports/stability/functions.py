@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reports.stability import oracle
+from reports.stability import fresnel, oracle
 
 Inputs = dict[str, np.ndarray]  # (n, k) float32 by name
 
@@ -13,9 +13,9 @@ Inputs = dict[str, np.ndarray]  # (n, k) float32 by name
 DIRECTIONS = ("wi", "wo", "w", "h", "n")
 PARTS = {
     **dict.fromkeys(DIRECTIONS, 3),
-    **dict.fromkeys(("albedo", "f0", "count"), 3),
+    **dict.fromkeys(("albedo", "f0", "f82", "count"), 3),
     **dict.fromkeys(("weight", "weight_g", "u"), 2),
-    **dict.fromkeys(("alpha", "cosine", "tan", "index", "points"), 1),
+    **dict.fromkeys(("alpha", "cosine", "tan", "eta", "k", "index", "points"), 1),
 }
 _SWIZZLE = {1: "x", 2: "xy", 3: "xyz"}
 
@@ -142,6 +142,7 @@ def _functions() -> list[Function]:
             oracle.F_schlick,
             3,
         ),
+        *_fresnel(),
         Function(
             "brdf",
             f"brdf({{wi}}, {{wo}}, {MATERIAL})",
@@ -200,6 +201,29 @@ def _functions() -> list[Function]:
             2,
         ),
     ]
+
+
+def _fresnel() -> list[Function]:
+    """F of the other models, and 1 - F, which has forms of its own."""
+    both = []
+    for name, inputs, parts, exact in (
+        ("f82", ("f0", "f82"), 3, fresnel.F_f82),
+        ("dielectric", ("eta",), 1, lambda eta, cosine: fresnel.F_exact(eta[:, None], 0, cosine)),
+        (
+            "conductor",
+            ("eta", "k"),
+            1,
+            lambda eta, k, cosine: fresnel.F_exact(eta[:, None], k[:, None], cosine),
+        ),
+    ):
+        given, file = (*inputs, "cosine"), (f"fresnel_{name}.glsl",)
+        call = f"{name}({', '.join('{' + i + '}' for i in given)})"
+        rest = (lambda f: lambda **values: 1 - f(**values))(exact)
+        both.append(Function(f"F_{name}", f"F_{call}", file, given, exact, parts))
+        both.append(
+            Function(f"one_minus_F_{name}", f"one_minus_F_{call}", file, given, rest, parts)
+        )
+    return both
 
 
 FUNCTIONS = {f.name: f for f in _functions()}

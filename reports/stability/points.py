@@ -1,13 +1,15 @@
 """A point to evaluate again, as a user gives it: `brdf alpha=.01 wi=0,0,1 wo=.6,0,.8`."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import get_args
 
 import numpy as np
 
 from reports.stability.directions import MASKINGS
 from reports.stability.functions import DIRECTIONS, FUNCTIONS, PARTS, Inputs
 from scenes.errors import InputError
+from scenes.schema import Model
 from scenes.words import nearest
 
 WHERE = "--at"
@@ -24,19 +26,36 @@ INTEGRALS = {
     "white_furnace": ("alpha", "n.v", "weight", "masking"),
     "scale_bias": ("n.v", "roughness", "weight", "masking"),
     "radiance_lod": ("size", "w", "density"),
+    "model": (
+        "alpha",
+        "weight",
+        "metallic",
+        "wi",
+        "wo",
+        "fresnel",
+        "kd",
+        "masking",
+        "multiscatter",
+    ),
 }
-_PARTS = PARTS | {"n.v": 1, "roughness": 1, "size": 2, "density": 1}
+# Inputs that are words, and what each may be; the first is the default.
+WORDS = {
+    "masking": MASKINGS,
+    **{n: get_args(Model.model_fields[n].annotation) for n in ("fresnel", "kd", "multiscatter")},
+}
+_PARTS = PARTS | {"n.v": 1, "roughness": 1, "metallic": 1, "size": 2, "density": 1}
 _ABOVE_0 = ("alpha", "n.v", "roughness")
 _WHOLE = ("index", "points", "count", "size")
 
 
 @dataclass(frozen=True)
 class Point:
-    """A function and its inputs: (parts,) float32 by name, and the masking."""
+    """A function and its inputs: (parts,) float32 by name, the masking, and other switches."""
 
     name: str
     inputs: Inputs
     masking: str = "paper"
+    switches: dict[str, str] = field(default_factory=dict)
 
 
 def point(text: str) -> Point:
@@ -53,7 +72,7 @@ def point(text: str) -> Point:
         raise InputError(WHERE, "", f"there is no function '{name}'", remedy)
     takes = taken(name)
     found: dict[str, tuple[float, ...]] = {}
-    masking, told = "paper", set()
+    words, told = {}, set()
     for part in given:
         key, equals, value = part.partition("=")
         if not equals or key not in takes:
@@ -62,16 +81,17 @@ def point(text: str) -> Point:
         if key in told:
             raise InputError(WHERE, name, f"has {key} twice", "give it once")
         told.add(key)
-        if key == "masking":
-            masking = _masking(name, value)
+        if key in WORDS:
+            words[key] = _word(name, key, value)
         else:
             found[key] = _numbers(f"{name} {key}", key, value)
     found.setdefault("weight_g", found.get("weight", DEFAULTS["weight"]))
     for key in known[name]:
-        if key != "masking" and key not in found and key not in DEFAULTS:
+        if key not in WORDS and key not in found and key not in DEFAULTS:
             raise InputError(WHERE, name, f"lacks its input {key}", f"add {key}=...")
-    kept = {k: found.get(k, DEFAULTS.get(k)) for k in known[name] if k != "masking"}
-    return Point(name, {k: np.float32(v) for k, v in kept.items()}, masking)
+    kept = {k: found.get(k, DEFAULTS.get(k)) for k in known[name] if k not in WORDS}
+    masking = words.pop("masking", "paper")
+    return Point(name, {k: np.float32(v) for k, v in kept.items()}, masking, words)
 
 
 def taken(name: str) -> list[str]:
@@ -82,9 +102,10 @@ def taken(name: str) -> list[str]:
     return [*FUNCTIONS[name].inputs, *masking]
 
 
-def _masking(name: str, value: str) -> str:
-    if value not in MASKINGS:
-        raise InputError(WHERE, f"{name} masking", f"'{value}' is no masking", "use paper or smith")
+def _word(name: str, key: str, value: str) -> str:
+    if value not in WORDS[key]:
+        remedy = f"use {' or '.join(WORDS[key])}"
+        raise InputError(WHERE, f"{name} {key}", f"'{value}' is no {key}", remedy)
     return value
 
 

@@ -21,12 +21,14 @@ mi = mitsuba()
 
 DIFFUSE, GLOSSY = mi.BSDFFlags.DiffuseReflection, mi.BSDFFlags.GlossyReflection
 ALBEDO = (0.6, 0.3, 0.05)
-MODELS = [PAPER, *model_steps(PAPER)]
+COMPENSATED = Model(fresnel="exact", kd="conserving", masking="smith", multiscatter="on")
+TINTED = Model(fresnel="f82", masking="smith", multiscatter="on")
+MODELS = [PAPER, *model_steps(PAPER), COMPENSATED, TINTED]
 EXACT = Model(fresnel="exact")
 
 
 def named(model):
-    return f"{model.fresnel}-{model.kd}-{model.masking}"
+    return f"{model.fresnel}-{model.kd}-{model.masking}-{model.multiscatter}"
 
 
 def surface(roughness, weight=1.0, metallic=0.4, **changes):
@@ -160,9 +162,54 @@ def test_sampling_estimates_what_uniform_directions_do(model, asked):
     assert np.all(np.abs(drawn.mean(axis=1) - even.mean(axis=1)) < 4.5 * error)
 
 
+@pytest.mark.parametrize("asked", [GLOSSY | DIFFUSE, GLOSSY])
+@pytest.mark.parametrize("metallic", [0.4, 1.0])
+def test_samples_of_compensated_facets_have_the_density_that_pdf_says(
+    asked, metallic, monkeypatch, tmp_path
+):
+    monkeypatch.chdir(tmp_path)
+    test = chi2(plugin(surface(0.5, 0.4, metallic), COMPENSATED), 50, only(asked))
+    assert test.run(significance_level=0.01, test_count=4, quiet=True), test.messages
+
+
+@pytest.mark.parametrize(
+    ("f0", "kd"),
+    [(0.0, "conserving"), (0.04, "conserving"), (1.0, "conserving"), (1.0, "one-minus-fresnel")],
+)
+@pytest.mark.parametrize("weight", [0.0, 0.5, 1.0])
+def test_a_white_surface_sends_back_all_that_comes(f0, kd, weight):
+    model = Model(kd=kd, masking="smith", multiscatter="on")
+    white = surface(0.8, weight, 0.0, f0=f0, albedo=(1.0, 1.0, 1.0))
+    x, w = np.polynomial.legendre.leggauss(256)
+    mu, turn = (x + 1) / 2, (np.arange(128) + 0.5) / 128 * 2 * np.pi
+    mu, turn = (a.ravel() for a in np.meshgrid(mu, turn))
+    wo = np.stack([np.sqrt(1 - mu**2) * np.cos(turn), np.sqrt(1 - mu**2) * np.sin(turn), mu], 1)
+    for cosine in (0.1, 0.5, 0.95):
+        wi = np.broadcast_to([np.sqrt(1 - cosine**2), 0, cosine], wo.shape)
+        sent = np.tile(w, 128) @ evaluate(plugin(white, model), wi, wo) / 128 * np.pi
+        assert sent == pytest.approx(1, abs=1e-3)
+
+
+def test_f82_is_the_metals_own_reflectance_where_the_cosine_is_a_seventh():
+    obj = surface(0.5, metallic=1.0)
+    metal, at = obj.material.metal, np.array([1 / 7])
+    wi = np.array([[np.sqrt(48) / 7, 0, 1 / 7]])
+    both = [evaluate(plugin(obj, m), wi, wi * [-1, 1, 1]) for m in (Model(fresnel="f82"), EXACT)]
+    # Mirrored directions: h is n, and h.wi the cosine.
+    np.testing.assert_allclose(*both, rtol=1e-5)
+    expected = formula.fresnel(at, metal.eta, metal.k)[0]
+    np.testing.assert_allclose(metal.f82, expected, rtol=1e-12)
+
+
 def test_a_metal_of_bare_f0_has_no_exact_fresnel():
     obj = Object(name="ball", mesh="sphere", material=metal(f0=(0.9, 0.6, 0.5)))
     with pytest.raises(InputError, match=r"'ball'.*name a metal"):
+        model_bsdf(obj, EXACT)
+
+
+def test_a_dielectric_that_reflects_all_has_no_exact_fresnel():
+    obj = surface(0.5, metallic=0.0, f0=1.0)
+    with pytest.raises(InputError, match=r"'ball'.*below 1"):
         model_bsdf(obj, EXACT)
 
 

@@ -5,6 +5,8 @@ import pytest
 from renderer.features import features, split_samples, technique
 from scenes.schema import PAPER, PHYSICAL, Material, Model, model_steps
 
+COMPENSATED = Model(fresnel="exact", kd="conserving", masking="smith", multiscatter="on")
+
 
 def test_known_techniques_have_their_names():
     for name in ("paper", "paper-noaa", "sampled"):
@@ -67,9 +69,34 @@ def test_smiths_masking_takes_a_table_of_the_material_in_place_of_the_shared_one
     assert not technique("sampled").own_table(smith)
 
 
-@pytest.mark.parametrize("name", ["paper", "paper-noaa", "sampled@4"])
+@pytest.mark.parametrize("name", ["paper", "paper-noaa"])
 def test_what_of_a_model_cannot_be_drawn_is_told(name):
     assert technique(name).cannot_draw(PAPER) == ""
     assert technique(name).cannot_draw(Model(masking="smith")) == ""
     assert technique(name).cannot_draw(model_steps(PAPER)[0]) == "fresnel = 'exact'"
     assert technique(name).cannot_draw(PHYSICAL) == "fresnel = 'exact', kd = 'interface'"
+    assert technique(name).cannot_draw(Model(multiscatter="on")) == "multiscatter = 'on'"
+
+
+@pytest.mark.parametrize("model", [PHYSICAL, COMPENSATED])
+def test_samples_draw_every_model(model):
+    assert technique("sampled@4").cannot_draw(model) == ""
+
+
+def test_only_what_a_model_needs_of_a_material_is_compiled_in(copper):
+    half = Material(albedo=(0.1,) * 3, roughness=0.5, metallic=0.5, metal="Cu", weight=1.0)
+    lobe = {"D_GGX", "G_GGX"}
+    assert features(half) == lobe | {"DIFFUSE"}
+    assert features(copper(0.2), Model(fresnel="f82")) == lobe | {"FRESNEL_F82"}
+    physical = lobe | {"MASKING_SMITH", "FRESNEL_METAL"}
+    assert features(copper(0.2), PHYSICAL) == physical
+    both = {"DIFFUSE", "FRESNEL_DIELECTRIC", "KD_INTERFACE"}
+    assert features(half, PHYSICAL) == physical | both
+    assert features(copper(0.2), COMPENSATED) == physical | {"MULTISCATTER"}
+    kept = {"KD_CONSERVING", "MULTISCATTER"}
+    assert features(half, COMPENSATED) == physical | both - {"KD_INTERFACE"} | kept
+
+
+def test_light_off_many_facets_gets_samples_of_its_own(copper):
+    assert split_samples(copper(0.2), 100)[2] == 0
+    assert split_samples(copper(0.2), 100, COMPENSATED)[2] == 20

@@ -221,6 +221,19 @@ def test_a_budget_against_physical_is_refused(shadeproof, tmp_path):
     assert "budget.0.truth" in err
 
 
+def test_the_model_physical_is_judged_against_the_truth_physical(shadeproof, tmp_path):
+    suite = tmp_path / "mine.toml"
+    suite.write_text(
+        limited(1.0)
+        .replace("unoccluded", "physical")
+        .replace('"paper"', '"sampled"')
+        .replace("[[budget]]", 'model = "physical"\n[[budget]]', 1)
+    )
+    assert shadeproof("gate", "--suite", suite, "--out", tmp_path / "out")[0] in (0, 1)
+    rows = load_results(tmp_path / "out/results.json").rows
+    assert rows and all(r.verdict in ("pass", "fail", "inconclusive") for r in rows)
+
+
 def test_a_suite_may_mask_mixtures_by_smith(shadeproof, tmp_path):
     suite = tmp_path / "mine.toml"
     mixed = "[run.sweep]\nweight = [0.5]\n[[budget]]"

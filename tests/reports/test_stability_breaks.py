@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from reports.run.stability import NAMED, furnaces, geometry, lookups, terms
+from renderer.precompute import lost_light
+from renderer.program import program
+from reports.run.stability import NAMED, furnaces, geometry, lookups, models, terms
 from reports.run.stability.brdf import Sweep, stock_maps
 
 
@@ -17,7 +19,7 @@ BRDF = [
     ("brdf.glsl", "0.5 * length(wi + wo)", "dot(wo, normalize(wi + wo))", "against Mitsuba"),
     ("ndf_beckmann.glsl", "exp(-dot", "exp(dot", "finite"),
     ("brdf.glsl", "f += one", "f -= one", "non-negative"),
-    ("brdf.glsl", "F_schlick(m.f0, wo_h)", "F_schlick(m.f0, wo.z)", "reciprocal"),
+    ("brdf.glsl", "F = fresnel(m, wo_h)", "F = fresnel(m, wo.z)", "reciprocal"),
     ("mixture.glsl", "G += weight.y * G_vcavity", "G += G_vcavity", "smooth in weight"),
     ("ndf_ggx.glsl", "INV_PI /", "(alpha > 0.1 ? 1.1 : 1.0) * INV_PI /", "smooth in roughness"),
 ]
@@ -75,6 +77,76 @@ def test_a_fault_in_a_term_is_seen(broken, file, right, wrong, seen):
     assert f"{seen} against float64" in failed(parts[start]())
 
 
+FRESNEL = [
+    ("fresnel_f82.glsl", "M82 = 6.0 / 7.0", "M82 = 5.9 / 7.0", "F_f82"),
+    ("fresnel_f82.glsl", "cos_theta) + drop_f82", "cos_theta) - drop_f82", "one_minus_F_f82"),
+    ("fresnel_dielectric.glsl", "w * c - s2", "w * c + s2", "F_dielectric"),
+    ("fresnel_dielectric.glsl", "eta2 / (p * p)", "1.0 / (p * p)", "one_minus_F_dielectric"),
+    (
+        "fresnel_dielectric.glsl",
+        "(eta - 1.0) * (eta + 1.0), 0.0",
+        "eta * eta - 1.0, 0.0",
+        "F_dielectric",
+    ),
+    ("fresnel_conductor.glsl", "2.0 * eta * k)", "eta * k)", "F_conductor"),
+    (
+        "fresnel_conductor.glsl",
+        "dot(n2, w) / dot(p, p)",
+        "w.x / dot(p, p)",
+        "one_minus_F_conductor",
+    ),
+]
+
+
+@pytest.mark.parametrize(("file", "right", "wrong", "seen"), FRESNEL)
+def test_a_fault_in_the_fresnel_of_a_model_is_seen(broken, file, right, wrong, seen):
+    assert not failed(terms.fresnel_of_models())
+    broken(file, right, wrong)
+    assert f"{seen} against float64" in failed(terms.fresnel_of_models())
+
+
+COMPENSATED = models.MODELS["the same, masking smith"]
+MODELS = [
+    ("brdf.glsl", "m.multiscatter * (lost.a", "m.multiscatter * (1.01 * lost.a", COMPENSATED),
+    ("brdf.glsl", "lost.rgb * m.albedo", "lost.bgr * m.albedo", COMPENSATED),
+    ("brdf.glsl", "dot(lost.xy, m.weight_d)", "lost.x", models.PHYSICAL),
+    ("fresnel.glsl", "F += (1.0 - m.metallic)", "F += m.metallic", models.MODELS["exact"]),
+    ("fresnel.glsl", "m.f0, m.f82, cos", "m.f0, m.f0, cos", models.MODELS["f82"]),
+    ("directional_loss.frag", "0.5 / float(points)", "0.5", COMPENSATED),
+    ("interface.frag", "/ G1_ggx(wo, alpha);", ";", models.PHYSICAL),
+]
+
+
+@pytest.fixture
+def made_anew():
+    """No map of losses is kept from shaders that were right, nor from broken ones."""
+    cached = (lost_light._lost_light, lost_light._integrated, program)
+    for kept in cached:
+        kept.cache_clear()
+    yield
+    for kept in cached:
+        kept.cache_clear()
+
+
+@pytest.mark.parametrize(("file", "right", "wrong", "model"), MODELS)
+def test_a_fault_in_a_model_is_seen(broken, made_anew, file, right, wrong, model):
+    broken(file, right, wrong)
+    found = failed(models.agreements("it", model, np.array([0.5])))
+    assert {"model it, against float64", "model it, against Mitsuba"} & found
+
+
+def test_what_one_side_alone_would_send_back_is_not_reciprocal(broken, made_anew):
+    broken("brdf.glsl", "lost_light_at(wi.z) * lost_light_at(wo.z)", "lost_light_at(wi.z)")
+    found = failed(models.agreements("it", COMPENSATED, np.array([0.5])))
+    assert "model it, reciprocal" in found
+
+
+def test_light_that_facets_do_not_give_back_is_seen(broken, made_anew):
+    assert models.white_furnace(np.array([0.5])).passed
+    broken("brdf.glsl", "m.multiscatter * (lost.a", "m.multiscatter * (0.9 * lost.a")
+    assert not models.white_furnace(np.array([0.5])).passed
+
+
 FURNACES = [
     ("ndf_beckmann.glsl", "INV_PI /", "0.999 * INV_PI /", "D_mixture normalised"),
     (
@@ -117,7 +189,7 @@ NAMED_FAULTS = {
     "below-the-surface": ("brdf.glsl", "if (min(wi.z, wo.z) < HORIZON)", "if (false)"),
     "almost-below": ("brdf.glsl", "HORIZON = 1e-9", "HORIZON = 0.0"),
     "opposite": ("brdf.glsl", "if (min(wi.z, wo.z) < HORIZON)", "if (false)"),
-    "nearly-opposite": ("brdf.glsl", "one_minus_F_schlick(m.f0, wo_h)", "(1.0 - F)"),
+    "nearly-opposite": ("brdf.glsl", "one_minus_fresnel(m, wo_h)", "(1.0 - F)"),
     "h-is-n": ("brdf.glsl", "/ (2.0 * wo_h)", "/ (2.0 * wo_h + 1e-6)"),
     "lobes-left-out": ("mixture.glsl", "D += weight.y * D_beckmann", "D += D_beckmann"),
     "weight-of-1e-7": ("mixture.glsl", "weight.y * G_v", "(1.0 - weight.x) * G_v"),

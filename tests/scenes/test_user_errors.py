@@ -102,7 +102,7 @@ IN_SUITE = [
     ("[[run]]", "[run]", "run", "[[run]]"),
     (BUDGET, BUDGET + "[reference]\nmax_samples = 10", "reference", "give at least"),
     (BUDGET, BUDGET + '[model]\nmasking = "none"', "model.masking", "'paper' or 'smith'"),
-    (BUDGET, BUDGET + '[model]\nfresnel = "f82"', "model.fresnel", "'schlick' or 'exact'"),
+    (BUDGET, BUDGET + '[model]\nfresnel = "f90"', "model.fresnel", "'schlick', 'f82' or 'exact'"),
     (BUDGET, BUDGET + '[model]\nkd = "interface"', "model", "add fresnel = 'exact'"),
     (
         BUDGET,

@@ -8,7 +8,7 @@ from typing import Any
 
 from reports.progress import Reporter, reporting
 from reports.run.provenance import provenance
-from reports.run.stability import furnaces, geometry, lookups, terms
+from reports.run.stability import furnaces, geometry, lookups, models, terms
 from reports.run.stability.brdf import Sweep, stock_maps
 from reports.run.stability.named_brdf import BRDF
 from reports.run.stability.named_terms import TERMS
@@ -50,7 +50,9 @@ def stability(command: str = "", frames: bool = True) -> Stability:
 def _maps(report: Reporter) -> Iterator[Map]:
     for masking in MASKINGS:
         yield from _told(Sweep(masking).maps(), report)
-    for maps in (stock_maps(), terms.maps(), furnaces.maps(), geometry.maps(), lookups.maps()):
+    for maps in (stock_maps(), terms.maps(), furnaces.maps()):
+        yield from _told(maps, report)
+    for maps in (models.maps(), geometry.maps(), lookups.maps()):
         yield from _told(maps, report)
 
 

@@ -2,13 +2,14 @@
 
 import numpy as np
 
-from reports.run.stability import brdf, furnaces, geometry, lookups, terms
+from reports.run.stability import brdf, furnaces, geometry, lookups, models, terms
 from reports.run.stability.sides import exact, mitsuba, shader
 from reports.stability.agreement import TOLERANCE, off_by
 from reports.stability.answers import Answer, Judged
 from reports.stability.functions import FUNCTIONS
 from reports.stability.grid import ALPHAS, COSINES, JUDGED, PER_CELL, pairs
 from reports.stability.points import Point
+from scenes.schema import Model
 
 OFF = "|difference| over max(|f|, 1e-4 of the lobe's peak)"
 PLAIN = {  # figures that are no shares of a lobe: what they are, and the most that passes
@@ -28,6 +29,8 @@ def evaluate(point: Point) -> Answer:
         alpha, cosine = (np.ravel(given.get(n, 1.0)) for n in ("alpha", "n.v"))
         found = furnaces.furnaces(alpha, cosine, weight, point.masking)[point.name][0]
         return Answer([("GLSL", found)], [_integral(point, found.item())])
+    if point.name == "model":
+        return _of_model(point)
     if point.name == "scale_bias":
         place = given["n.v"].item(), given["roughness"].item()
         ours, truth = lookups.split_sum(*place, weight, point.masking)
@@ -44,6 +47,24 @@ def evaluate(point: Point) -> Answer:
         figures.append(Judged(f"from Mitsuba, {OFF}", float(off), _limit(point)))
         sides += [("Mitsuba", theirs), ("difference from it", np.abs(ours - theirs))]
     return Answer(sides, figures)
+
+
+def _of_model(point: Point) -> Answer:
+    """A whole BRDF under a model, by all sides."""
+    given, model = point.inputs, Model(masking=point.masking, **point.switches)
+    alpha, weight, metallic = (float(given[n].flat[0]) for n in ("alpha", "weight", "metallic"))
+    material = models.surface(alpha, weight, metallic)
+    ours, truth, theirs = models.evaluated(material, model, given["wi"][None], given["wo"][None])
+    _, wi, wo = pairs(np.array([alpha]), given["wo"][2:].astype(float))
+    peak = np.abs(models.model_brdf(material, wi, wo, model)).max(axis=0)
+    figures = [
+        Judged(f"{words}{OFF}", float(off_by(ours, other, peak).max()), limit)
+        for words, other, limit in (
+            ("", truth, TOLERANCE),
+            ("from Mitsuba, ", theirs, models.beside_mitsuba(model)),
+        )
+    ]
+    return Answer([("GLSL", ours[0]), ("float64", truth[0]), ("Mitsuba", theirs[0])], figures)
 
 
 def step(first: Point, second: Point) -> Answer | None:

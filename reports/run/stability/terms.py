@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from reports.run.stability.sides import exact, shader
-from reports.stability.agreement import TOLERANCE
+from reports.stability.agreement import TOLERANCE, off_by
 from reports.stability.directions import MASKINGS
 from reports.stability.functions import Inputs
 from reports.stability.grid import (
@@ -24,6 +24,7 @@ from reports.stability.grid import (
     unit,
 )
 from reports.stability.maps import SCALE, difference, make_map
+from reports.stability.oracle import F_schlick
 from reports.stability.results import Axis, Map
 
 AROUND = 32  # azimuths in a cell
@@ -34,6 +35,10 @@ POINT = 2.0**-23  # both parts of a sample point are rounded to 24 bits
 COUNTS = axis("points", [1, 2, 3, 16, 96, 1000, 1024, 65_535, 1_000_000], log=True)
 PLACES = axis("index over points", np.linspace(0, 1, 65))
 F0 = axis("f0", [-0.05, 0, 0.04, 0.5, 0.95, 1, 1.02])
+F0_WITHIN = np.array([0, 1e-4, 0.04, 0.5, 0.95, 1])
+TINTS = axis("tint", [0, 0.1, 0.5, 0.9, 1])
+ETA = axis("eta", [0.05, 0.5, 0.999, 1, 1 + 2.0**-20, 1.05, 1.33, 1.5, 2.4, 5])
+K = axis("k", [0, 1e-3, 0.5, 1, 3, 10])
 ANGLE = axis("cosine", 10 ** np.linspace(-6, 0, 25), log=True)
 SHARES = np.stack([WEIGHTS, 1 - WEIGHTS], axis=1)
 OF_ALPHA = {"alpha": JUDGED["alpha"]}
@@ -45,6 +50,7 @@ def maps() -> Iterator[Map]:
     yield from ndfs()
     yield from maskings()
     yield fresnel()
+    yield from fresnel_of_models()
     yield density()
     yield from samplers()
     yield hammersley()
@@ -162,6 +168,28 @@ def fresnel() -> Map:
         {"f0": np.repeat(f0[:, None], 3, axis=1), "cosine": cosine},
         why="A polynomial: it must follow any F0, also one outside of [0, 1], without breaking.",
     )
+
+
+def fresnel_of_models() -> Iterator[Map]:
+    """F of the other models over their constants and angle, and 1 - F."""
+    tint, cosine = spread(TINTS.values, ANGLE.values, len(F0_WITHIN))
+    f0 = np.tile(F0_WITHIN, len(tint) // len(F0_WITHIN))
+    tinted = {"f0": f0, "f82": tint * F_schlick(f0[:, None], np.full(len(f0), 1 / 7))[:, 0]}
+    tinted = {n: np.repeat(v[:, None], 3, axis=1).astype(np.float32) for n, v in tinted.items()}
+    tinted["cosine"] = cosine.astype(np.float32)
+    eta, cosine = (v.astype(np.float32) for v in spread(ETA.values, ANGLE.values, 1))
+    index = {"eta": eta, "cosine": cosine}
+    why = "Written so that nothing cancels where F is near 0 or 1."
+    for name in ("F_", "one_minus_F_"):
+        yield term(f"{name}f82", (ONE, TINTS, ANGLE), tinted, None, _whole, why=why)
+        yield term(f"{name}dielectric", (ONE, ETA, ANGLE), index, None, _whole, why=why)
+        slices = {"k": np.float32(K.values)}
+        yield term(f"{name}conductor", (K, ETA, ANGLE), index, slices, _whole, why=why)
+
+
+def _whole(ours: np.ndarray, truth: np.ndarray, _given: Inputs) -> np.ndarray:
+    """A share of light beside all of it: the peak of F and of 1 - F is 1."""
+    return off_by(ours, truth, 1.0).max(axis=1)
 
 
 def density() -> Map:
