@@ -109,6 +109,8 @@ class Renderer:
     ) -> Draw:
         material, how = obj.material, self.technique
         defines = features(material, model, how.diffuse, how.forced)
+        if "lights_map" in how.reads and maps["lights_map"].extra:
+            defines |= {"LIGHTS"}
         if how.own_table(model):
             maps = maps | {"table_smith": smith_table(material).texture}
         maps = maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}

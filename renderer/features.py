@@ -77,6 +77,7 @@ class Technique:
     diffuse: bool = True
     fine: tuple[str, ...] = ()
     forced: tuple[str, ...] = ()
+    reads: tuple[str, ...] = ()
 
     @property
     def sets(self) -> int:
@@ -91,7 +92,7 @@ class Technique:
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
         if self.samples:
-            return ()
+            return self.reads
         read = [f for f in LOBES if f.needed(material) or f.name in self.forced]
         tables = () if self.own_table(model) else tuple(t for f in read for t in f.tables)
         names = tuple(m for f in read for m in f.maps) + tables
@@ -111,6 +112,7 @@ TECHNIQUES = {
     "paper": Technique("paper", "shade_paper.glsl"),
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
+    "filtered": Technique("filtered", "shade_filtered.glsl", samples=64, reads=("blurred_map", "lights_map")),
 }
 
 
@@ -122,9 +124,9 @@ def technique(name: str) -> Technique:
     """
     if found := TECHNIQUES.get(name):
         return found
-    match = re.fullmatch(r"sampled@(\d{1,5})", name)
-    if match and 0 < int(match[1]) <= MOST_SAMPLES:
-        return Technique(name, "shade_sampled.glsl", samples=int(match[1]))
+    match = re.fullmatch(r"(sampled|filtered)@(\d{1,5})", name)
+    if match and 0 < int(match[2]) <= MOST_SAMPLES:
+        return replace(TECHNIQUES[match[1]], name=name, samples=int(match[2]))
     known = ", ".join([*TECHNIQUES, "sampled@N"])
     raise ValueError(f"unknown technique '{name}'; known: {known} with N up to {MOST_SAMPLES}")
 

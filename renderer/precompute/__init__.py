@@ -8,7 +8,7 @@ from time import perf_counter
 import moderngl
 
 from renderer.context import context
-from renderer.precompute import brdf_table, irradiance, prefilter, radiance
+from renderer.precompute import blurred, brdf_table, irradiance, prefilter, radiance
 from scenes.schema import file_digest
 
 Maps = dict[str, moderngl.Texture]
@@ -19,6 +19,8 @@ MAKERS: dict[str, Callable[[moderngl.Texture, Collection[str]], Maps]] = {
     "irradiance_map_fine": irradiance.make,
     "prefiltered_ggx": prefilter.make,
     "prefiltered_beckmann": prefilter.make,
+    "blurred_map": blurred.make,
+    "lights_map": blurred.make,
     "table_ggx": brdf_table.make,
     "table_beckmann": brdf_table.make,
     "table_ggx_fine": brdf_table.make_fine,
