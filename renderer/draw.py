@@ -11,6 +11,7 @@ from renderer.features import FINE, Technique, features, split_samples
 from renderer.objects import culled, object_ids, placed, vertex_array
 from renderer.passes import Draw, Prepared, draw_frame
 from renderer.precompute import Maps, precomputed
+from renderer.precompute.blurred import light_uniforms
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.prefilter import LEVELS
 from renderer.program import program
@@ -109,8 +110,10 @@ class Renderer:
     ) -> Draw:
         material, how = obj.material, self.technique
         defines = features(material, model, how.diffuse, how.forced)
+        lights = {}
         if "lights_map" in how.reads and maps["lights_map"].extra:
             defines |= {"LIGHTS"}
+            lights = light_uniforms(maps["lights_map"], frame["environment_turn"])
         if how.own_table(model):
             maps = maps | {"table_smith": smith_table(material).texture}
         maps = maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}
@@ -119,6 +122,7 @@ class Renderer:
         shading = program("fullscreen.vert", "surface_shade.frag", defines | sides, how.shade)
         uniforms = {
             **frame,
+            **lights,
             **placed(obj, camera),
             "number": number,
             "albedo": material.diffuse_albedo,

@@ -6,15 +6,17 @@ import moderngl
 import numpy as np
 
 from renderer.context import context
-from renderer.precompute.lights import Lights, extract
+from renderer.precompute.lights import MOST, Lights, extract
 from renderer.precompute.radiance import as_texture
 from renderer.program import bind_maps, fill, program, set_uniforms
 from renderer.targets import release
 
+import os
+BLUR = frozenset(os.environ.get('BLUR','SPREAD 0.25').split(',')) - {''}
 TAPS = 96
 WIDEST = 4.0 * np.pi
 # A light is left to the samples while their share of directions is below this part of its own.
-LIGHT_SHARE = 1.0
+LIGHT_SHARE = float(os.environ.get('SHARE','.5'))
 
 
 def make(radiance: moderngl.Texture, names: Collection[str]) -> dict[str, moderngl.Texture]:
@@ -56,7 +58,7 @@ def _blurred(radiance, pixels, lights, finest) -> moderngl.Texture:
     made.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
     made.repeat_x, made.repeat_y = True, False
     made.write(radiance.read(), level=0)
-    shader = program("fullscreen.vert", "blurred.frag")
+    shader = program("fullscreen.vert", "blurred.frag", BLUR)
     source, left = radiance, len(finest)
     levels = int(np.log2(max(radiance.size)))
     for level in range(1, levels + 1):
@@ -73,3 +75,19 @@ def _blurred(radiance, pixels, lights, finest) -> moderngl.Texture:
         made.write(target.read(), level=level)
         release(framebuffer, target)
     return made
+
+
+def light_uniforms(texture: moderngl.Texture, turn: float) -> dict:
+    """A map of lights as uniforms, in an environment turned by a fraction of a full turn."""
+    texels = np.frombuffer(texture.read(), np.float32).reshape(2, -1, 4)
+    count = texels.shape[1]
+    rows = np.zeros((2, MOST, 4), np.float32)
+    rows[:, :count] = texels
+    x, y = texels[0, :, 0], texels[0, :, 1]
+    cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
+    rows[0, :count, 0], rows[0, :count, 1] = cos * x - sin * y, sin * x + cos * y
+    return {
+        "light_count": count,
+        "light_towards": rows[0].tobytes(),
+        "light_irradiance": rows[1].tobytes(),
+    }

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-BRIGHT = 4.0  # times the mean of what is left
+import os
+BRIGHT = float(os.environ.get('BRIGHT','4'))  # times the mean of what is left
 PASSES = 4  # of finding that mean: the brightest lights would hide the others
-MOST = 32
+import os
+MOST = int(os.environ.get('MOST','64'))
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +25,7 @@ class Lights:
     Attributes:
         directions: (n, 3), unit, as in an environment that is not turned.
         irradiance: (n, 3) linear RGB on a surface that faces the light.
-        solid_angle: (n,) steradians that each spans.
+        solid_angle: (n,) steradians that each spans, were it as bright as where it shines.
         excess: (H, W, 3), what of the map's radiance they hold.
         label: (H, W), the light that each texel is of, -1 for none.
     """
@@ -68,7 +70,7 @@ def extract(radiance: np.ndarray, most: int = MOST) -> Lights:
     return Lights(
         np.array([m / np.linalg.norm(m) for m in middles]).reshape(-1, 3),
         np.array([flux[c].sum(axis=0) for c in clusters]).reshape(-1, 3),
-        np.array([angles[places[c]].sum() for c in clusters]),
+        np.array([power[c].sum() ** 2 / (power[c] ** 2 / angles[places[c]]).sum() for c in clusters]),
         excess,
         label.reshape(height, width),
     )

@@ -5,6 +5,12 @@ uniform sampler2D blurred_map;
 
 // What arrives from a direction on average over a share of directions, as `incoming_lod` codes it.
 vec3 incoming(vec3 wi_world, float lod) {
+#ifdef NOTAP
+    return wi_world*lod;
+#endif
+#ifdef NOATAN
+ return textureLod(blurred_map, wi_world.xy, lod).rgb;
+#endif
     return textureLod(blurred_map, radiance_uv(wi_world), lod).rgb;
 }
 
