@@ -13,6 +13,7 @@ import numpy as np
 
 import os
 BRIGHT = float(os.environ.get('BRIGHT','4'))  # times the mean of what is left
+SMALL = float(os.environ.get('SMALL','0'))
 PASSES = 4  # of finding that mean: the brightest lights would hide the others
 import os
 MOST = int(os.environ.get('MOST','64'))
@@ -62,7 +63,7 @@ def extract(radiance: np.ndarray, most: int = MOST) -> Lights:
     label = np.full(height * width, -1, np.int16)
     directions = _directions(height, width, places)
     power = grey[places] * share * angles[places]
-    clusters = _clusters(directions, power, most)
+    clusters = _clusters(directions, power, most, SMALL * float(grey @ angles))
     for number, members in enumerate(clusters):
         label[places[members]] = number
     flux = excess.reshape(-1, 3)[places].astype(np.float64) * angles[places, None]
@@ -84,7 +85,7 @@ def _directions(height: int, width: int, places: np.ndarray) -> np.ndarray:
     return np.stack([np.sin(phi) * np.sin(theta), np.cos(phi) * np.sin(theta), np.cos(theta)], 1)
 
 
-def _clusters(directions: np.ndarray, power: np.ndarray, most: int) -> list[np.ndarray]:
+def _clusters(directions: np.ndarray, power: np.ndarray, most: int, least: float) -> list[np.ndarray]:
     """Indices of each cluster: the one that spreads its power most is halved, again and again."""
     if not len(power):
         return []
@@ -92,7 +93,7 @@ def _clusters(directions: np.ndarray, power: np.ndarray, most: int) -> list[np.n
     spreads = [_spread(directions, power)]
     while len(clusters) < most:
         worst = int(np.argmax([s[0] for s in spreads]))
-        if spreads[worst][0] <= 0:
+        if spreads[worst][0] <= least:
             break
         members, (_, middle, axis) = clusters[worst], spreads[worst]
         side = (directions[members] - middle) @ axis > 0
