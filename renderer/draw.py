@@ -111,9 +111,9 @@ class Renderer:
         material, how = obj.material, self.technique
         defines = features(material, model, how.diffuse, how.forced)
         lights = {}
-        if "lights_map" in how.reads and maps["lights_map"].extra:
-            defines |= {"LIGHTS"}
+        if "lights_map" in how.reads:
             lights = light_uniforms(maps["lights_map"], frame["environment_turn"])
+            defines |= {"LIGHTS"} if lights else set()
         if how.own_table(model):
             maps = maps | {"table_smith": smith_table(material).texture}
         maps = maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import os
-BRIGHT = float(os.environ.get('BRIGHT','4'))  # times the mean of what is left
-SMALL = float(os.environ.get('SMALL','0'))
+BRIGHT = 4.0  # times the mean of what is left
 PASSES = 4  # of finding that mean: the brightest lights would hide the others
-import os
-MOST = int(os.environ.get('MOST','64'))
+MOST = 64  # as in lights.glsl
+# A cluster is small enough where its power times its variance (radians²) is at most this share of
+# all of the environment's power: of plain skies few lights are left.
+SMALL = 3e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,16 +26,23 @@ class Lights:
     Attributes:
         directions: (n, 3), unit, as in an environment that is not turned.
         irradiance: (n, 3) linear RGB on a surface that faces the light.
-        solid_angle: (n,) steradians that each spans, were it as bright as where it shines.
-        excess: (H, W, 3), what of the map's radiance they hold.
+        solid_angle: (n,) steradians that each spans: of a lamp in its glow, about the lamp's.
+        radiance: (H, W, 3), the map that they are taken from.
+        excess: (H, W, 3), what of it they hold.
         label: (H, W), the light that each texel is of, -1 for none.
     """
 
     directions: np.ndarray
     irradiance: np.ndarray
     solid_angle: np.ndarray
+    radiance: np.ndarray
     excess: np.ndarray
     label: np.ndarray
+
+    def rest(self, gone: np.ndarray) -> np.ndarray:
+        """The map (H, W, 3) without those lights that are gone, by (n,) bool."""
+        taken = np.append(gone, False)[self.label]  # label -1 is the last
+        return self.radiance - np.where(taken[..., None], self.excess, 0)
 
 
 def texel_angles(height: int, width: int) -> np.ndarray:
@@ -47,8 +54,7 @@ def texel_angles(height: int, width: int) -> np.ndarray:
 def extract(radiance: np.ndarray, most: int = MOST) -> Lights:
     """Take the lights out of a lat-long map (H, W, 3): radiance above BRIGHT means, by hue.
 
-    Clusters are split where it lessens the light's distance from its cluster's middle the most,
-    until there are `most` or each is but one texel.
+    Clusters are halved where their power is spread the most, until there are `most` or all are SMALL.
     """
     height, width = radiance.shape[:2]
     angles = np.repeat(texel_angles(height, width), width)
@@ -71,7 +77,8 @@ def extract(radiance: np.ndarray, most: int = MOST) -> Lights:
     return Lights(
         np.array([m / np.linalg.norm(m) for m in middles]).reshape(-1, 3),
         np.array([flux[c].sum(axis=0) for c in clusters]).reshape(-1, 3),
-        np.array([power[c].sum() ** 2 / (power[c] ** 2 / angles[places[c]]).sum() for c in clusters]),
+        np.array([_effective(power[c], angles[places[c]]) for c in clusters]),
+        radiance,
         excess,
         label.reshape(height, width),
     )
@@ -86,7 +93,7 @@ def _directions(height: int, width: int, places: np.ndarray) -> np.ndarray:
 
 
 def _clusters(directions: np.ndarray, power: np.ndarray, most: int, least: float) -> list[np.ndarray]:
-    """Indices of each cluster: the one that spreads its power most is halved, again and again."""
+    """Indices of each cluster: the one that spreads its power most is halved, down to `least`."""
     if not len(power):
         return []
     clusters = [np.arange(len(power))]
@@ -101,6 +108,11 @@ def _clusters(directions: np.ndarray, power: np.ndarray, most: int, least: float
         clusters[worst : worst + 1] = halves
         spreads[worst : worst + 1] = [_spread(directions[h], power[h]) for h in halves]
     return clusters
+
+
+def _effective(power: np.ndarray, angles: np.ndarray) -> float:
+    """The solid angle of an even light that is as concentrated as these texels."""
+    return float(power.sum() ** 2 / (power**2 / angles).sum())
 
 
 def _spread(directions: np.ndarray, power: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:

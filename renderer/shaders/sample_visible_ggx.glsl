@@ -1,12 +1,37 @@
-#include "common.glsl"
 #include "masking_smith.glsl"
+#include "ndf_ggx.glsl"
 
-// A half vector of density G1(wo) D_ggx(h) wo.h / wo.z: of the facets that wo sees.
-// Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps", listing 3.
+// Directions of the facets of GGX that wo sees, by spherical caps: Dupuy and Benyoub 2023,
+// "Sampling Visible GGX Normals with Spherical Caps", listing 3.
+//
+// Equal shares of them leave the long tail of GGX to a single sample: at 64 the last one stands for
+// all directions more than 36 degrees off a lobe of alpha .04. So the share q of a lobe that lies
+// beyond a direction is not r, the share of the samples, but alpha r + (1 - alpha) r²: as many more
+// samples as the lobe is narrow. A wide one would send them below the horizon.
+
+vec3 stretched(vec3 w, float alpha) {
+    return normalize(vec3(alpha * w.xy, w.z));
+}
+
+// A half vector of density D_visible times `tail_density`.
 vec3 sample_visible_ggx(vec2 u, vec3 wo, float alpha) {
-    vec3 stretched = normalize(vec3(alpha * wo.xy, wo.z));
-    float z = (1.0 - u.x) * (1.0 + stretched.z) - stretched.z;
-    float r = sqrt(clamp(1.0 - z * z, 0.0, 1.0)), phi = 2.0 * PI * u.y;
-    vec3 h = vec3(r * cos(phi), r * sin(phi), z) + stretched;
-    return normalize(vec3(alpha * h.xy, max(h.z, 1e-9)));
+    float r = 1.0 - u.x, beyond = r * (alpha + (1.0 - alpha) * r);
+    vec3 s = stretched(wo, alpha);
+    float z = beyond * (1.0 + s.z) - s.z;
+    float aside = sqrt(clamp(1.0 - z * z, 0.0, 1.0)), phi = 2.0 * PI * u.y;
+    vec3 h = vec3(aside * cos(phi), aside * sin(phi), z) + s;
+    // The least z is rounding of 1 - 1: a facet that stands upright.
+    return normalize(vec3(alpha * h.xy, max(h.z, 1e-7)));
+}
+
+// dr/dq: how much denser than D_visible the samples lie at h.
+float tail_density(vec3 h, vec3 wo, float alpha) {
+    vec3 s = stretched(wo, alpha), k = normalize(vec3(h.xy / alpha, h.z));
+    float beyond = 2.0 * max(dot(s, k), 0.0) * k.z / (1.0 + s.z);
+    return inversesqrt(alpha * alpha + 4.0 * (1.0 - alpha) * beyond);
+}
+
+// The density of the direction that a sampled h reflects to wo, per steradian.
+float pdf_visible_ggx(vec3 h, vec3 wo, float alpha) {
+    return tail_density(h, wo, alpha) * D_ggx(h, alpha) * G1_ggx(wo, alpha) / (4.0 * wo.z);
 }
