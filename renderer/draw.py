@@ -14,6 +14,7 @@ from renderer.precompute import Maps, precomputed
 from renderer.precompute.blurred import light_uniforms
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.prefilter import LEVELS
+from renderer.precompute.split import LAYERS
 from renderer.program import program
 from renderer.targets import Rectangle, make_target, within
 from renderer.view import View, covered, view
@@ -134,6 +135,7 @@ class Renderer:
             "set_samples": split_samples(material, how.samples_per_set),
             "pixel_samples": split_samples(material, how.samples_per_set * how.sets),
             "prefilter_levels": float(LEVELS),
+            "lobe_layers": float(LAYERS),
             "coverage_samples": how.msaa,
         }
         vertices = vertex_array(obj.mesh, raster)

@@ -36,6 +36,12 @@ LOBES = (
     Feature("DIFFUSE", lambda m: max(m.diffuse_albedo) > 0, ("irradiance_map",)),
 )
 
+EXACT_MAPS = {
+    "D_GGX": ("lobe_ggx", "albedo_ggx", "towards_ggx"),
+    "D_BECKMANN": ("lobe_beckmann", "albedo_beckmann", "towards_beckmann"),
+    "DIFFUSE": ("irradiance_exact",),
+}
+
 # Mesa's llvmpipe ends the loops of a shader, silently, after 65,535 turns in all.
 MOST_SAMPLES = 65_000
 
@@ -78,6 +84,7 @@ class Technique:
     fine: tuple[str, ...] = ()
     forced: tuple[str, ...] = ()
     reads: tuple[str, ...] = ()
+    exact: bool = False
 
     @property
     def sets(self) -> int:
@@ -93,6 +100,9 @@ class Technique:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
         if self.samples:
             return self.reads
+        if self.exact:
+            names = [n for f in LOBES if f.needed(material) for n in EXACT_MAPS.get(f.name, ())]
+            return tuple(names)
         read = [f for f in LOBES if f.needed(material) or f.name in self.forced]
         tables = () if self.own_table(model) else tuple(t for f in read for t in f.tables)
         names = tuple(m for f in read for m in f.maps) + tables
@@ -112,6 +122,7 @@ TECHNIQUES = {
     "paper": Technique("paper", "shade_paper.glsl"),
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
+    "split": Technique("split", "shade_split.glsl", exact=True),
     "filtered": Technique("filtered", "shade_filtered.glsl", samples=64, reads=("blurred_map", "lights_map")),
 }
 
