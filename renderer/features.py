@@ -18,29 +18,42 @@ class Feature:
     Attributes:
         name: as #defined in GLSL where the shader tests for it.
         needed: whether a material needs it.
-        maps: the precomputed maps that it reads under the split sum.
+        maps: the precomputed maps that it reads under the paper's split sum.
         tables: those of them that hold only under the paper's masking.
+        split: those that it reads under the better one.
     """
 
     name: str
     needed: Callable[[Material], bool]
     maps: tuple[str, ...] = ()
     tables: tuple[str, ...] = ()
+    split: tuple[str, ...] = ()
 
 
 LOBES = (
-    Feature("D_GGX", lambda m: m.weight > 0, ("prefiltered_ggx",), ("table_ggx",)),
-    Feature("D_BECKMANN", lambda m: m.weight < 1, ("prefiltered_beckmann",), ("table_beckmann",)),
+    Feature(
+        "D_GGX",
+        lambda m: m.weight > 0,
+        ("prefiltered_ggx",),
+        ("table_ggx",),
+        ("lobe_ggx", "albedo_ggx", "towards_ggx"),
+    ),
+    Feature(
+        "D_BECKMANN",
+        lambda m: m.weight < 1,
+        ("prefiltered_beckmann",),
+        ("table_beckmann",),
+        ("lobe_beckmann", "albedo_beckmann", "towards_beckmann"),
+    ),
     Feature("G_GGX", lambda m: m.masking_weight > 0),
     Feature("G_BECKMANN", lambda m: m.masking_weight < 1),
-    Feature("DIFFUSE", lambda m: max(m.diffuse_albedo) > 0, ("irradiance_map",)),
+    Feature(
+        "DIFFUSE",
+        lambda m: max(m.diffuse_albedo) > 0,
+        ("irradiance_map",),
+        split=("irradiance_exact",),
+    ),
 )
-
-EXACT_MAPS = {
-    "D_GGX": ("lobe_ggx", "albedo_ggx", "towards_ggx"),
-    "D_BECKMANN": ("lobe_beckmann", "albedo_beckmann", "towards_beckmann"),
-    "DIFFUSE": ("irradiance_exact",),
-}
 
 # Mesa's llvmpipe ends the loops of a shader, silently, after 65,535 turns in all.
 MOST_SAMPLES = 65_000
@@ -72,6 +85,8 @@ class Technique:
         fine: maps made so finely that their own error is gone, to tell it from others.
         forced: names of features compiled in whether a material needs them or not, to show what
             leaving them out saves and that it changes nothing.
+        reads: maps that it reads whatever the material.
+        split: whether it reads the maps of the better split sum.
     """
 
     name: str
@@ -84,7 +99,7 @@ class Technique:
     fine: tuple[str, ...] = ()
     forced: tuple[str, ...] = ()
     reads: tuple[str, ...] = ()
-    exact: bool = False
+    split: bool = False
 
     @property
     def sets(self) -> int:
@@ -100,10 +115,9 @@ class Technique:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
         if self.samples:
             return self.reads
-        if self.exact:
-            names = [n for f in LOBES if f.needed(material) for n in EXACT_MAPS.get(f.name, ())]
-            return tuple(names)
         read = [f for f in LOBES if f.needed(material) or f.name in self.forced]
+        if self.split:
+            return tuple(m for f in read for m in f.split)
         tables = () if self.own_table(model) else tuple(t for f in read for t in f.tables)
         names = tuple(m for f in read for m in f.maps) + tables
         return tuple(f"{n}{FINE}" if n in self.fine else n for n in names)
@@ -122,13 +136,15 @@ TECHNIQUES = {
     "paper": Technique("paper", "shade_paper.glsl"),
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
-    "split": Technique("split", "shade_split.glsl", exact=True),
-    "filtered": Technique("filtered", "shade_filtered.glsl", samples=64, reads=("blurred_map", "lights_map")),
+    "split": Technique("split", "shade_split.glsl", split=True),
+    "filtered": Technique(
+        "filtered", "shade_filtered.glsl", samples=64, reads=("blurred_map", "lights_map")
+    ),
 }
 
 
 def technique(name: str) -> Technique:
-    """A technique by name; `sampled@N` takes N directions per pixel.
+    """A technique by name; `sampled@N` and `filtered@N` take N directions per pixel.
 
     Raises:
         ValueError: there is no such technique.
@@ -138,7 +154,7 @@ def technique(name: str) -> Technique:
     match = re.fullmatch(r"(sampled|filtered)@(\d{1,5})", name)
     if match and 0 < int(match[2]) <= MOST_SAMPLES:
         return replace(TECHNIQUES[match[1]], name=name, samples=int(match[2]))
-    known = ", ".join([*TECHNIQUES, "sampled@N"])
+    known = ", ".join([*TECHNIQUES, "sampled@N", "filtered@N"])
     raise ValueError(f"unknown technique '{name}'; known: {known} with N up to {MOST_SAMPLES}")
 
 
@@ -149,7 +165,7 @@ def switched(base: Technique, model: Model = PAPER) -> dict[str, Technique]:
     are free of the error of that map (where `table` is shared by all materials).
     """
     thrown = {"specular": replace(base, diffuse=False)}
-    if not base.samples:
+    if not base.samples and not base.split:
         thrown["irradiance map"] = replace(base, fine=("irradiance_map",))
         if not base.own_table(model):
             thrown["table"] = replace(base, fine=("table_ggx", "table_beckmann"))

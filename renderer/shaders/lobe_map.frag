@@ -6,7 +6,7 @@
 #include "beckmann_over_ggx.glsl"
 #include "lights.glsl"
 in vec2 uv;
-uniform float layers;
+uniform float layers; // one below the other, each a whole lat-long map
 uniform int count;
 #ifdef D_GGX
 #define AFTER_GGX 1
@@ -27,9 +27,10 @@ vec2 kernel(vec3 wi, float alpha) {
     return 0.25 * D * wi.z * vec2(1.0, beckmann_over_ggx(h, alpha));
 }
 
-// Karis' first sum over filtered samples and over the lights: no other error than theirs.
+// Karis' first sum for n = v = r, over filtered samples and over the lights.
 void main() {
-    float layer = floor(uv.y * layers), alpha = exp2(layer - layers + 1.0);
+    // alpha = 1 in the last layer, and in each the root of 2 times the one before.
+    float layer = floor(uv.y * layers), alpha = exp2((layer - layers + 1.0) * 0.5);
     mat3 to_world = tangent_frame(direction_from_latlong(vec2(uv.x, fract(uv.y * layers)), 0.0));
     vec4 sum_ggx = vec4(0.0), sum_beckmann = vec4(0.0);
     for (int i = 0; i < count; ++i) {

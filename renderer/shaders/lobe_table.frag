@@ -6,7 +6,7 @@
 in vec2 uv; // n.v and roughness
 uniform int count;
 layout(location = 0) out vec4 albedo; // scale and bias with G_smith, scale and bias with G_vcavity
-layout(location = 1) out vec4 towards; // x and z of the light's mean direction times its weight, likewise
+layout(location = 1) out vec4 towards; // the sums of wi.x and wi.z, likewise
 
 // The integral of D G / (4 n.l n.v) n.l (1 - Fc), that of Fc (Karis 2013, second sum), and of wi:
 // where the lobe really looks, in the plane of incidence.
