@@ -14,7 +14,7 @@ from renderer.targets import release
 Made = dict[str, moderngl.Texture]
 LAYERS = 15  # alpha 1/128 to 1, each the root of 2 times the one before
 LAYER_SIZE = (256, 128)
-LOBE_SAMPLES = 64
+LOBE_SAMPLES = 128
 TABLE_SIZE, TABLE_SAMPLES = (64, 64), 1024  # over n.v and roughness
 IRRADIANCE_SIZE, IRRADIANCE_SAMPLES = (64, 32), 256
 
