@@ -27,7 +27,7 @@ vec3 sample_visible_ggx(vec2 u, vec3 wo, float alpha) {
 // dr/dq: how much denser than D_visible the samples lie at h.
 float tail_density(vec3 h, vec3 wo, float alpha) {
     vec3 s = stretched(wo, alpha), k = normalize(vec3(h.xy / alpha, h.z));
-    float beyond = 2.0 * max(dot(s, k), 0.0) * k.z / (1.0 + s.z);
+    float beyond = 2.0 * max(dot(s, k), 0.0) * max(k.z, 0.0) / (1.0 + s.z);
     return inversesqrt(alpha * alpha + 4.0 * (1.0 - alpha) * beyond);
 }
 

@@ -188,7 +188,7 @@ def pdf_visible_ggx(wi: np.ndarray, wo: np.ndarray, alpha: Alpha) -> np.ndarray:
     """
     h, _ = half_vector(wi, wo)
     s, k = _stretched(wo, alpha), _stretched(h, 1 / np.asarray(alpha))
-    q = 2 * np.maximum((s * k).sum(axis=1), 0) * k[:, 2] / (1 + s[:, 2])
+    q = 2 * np.maximum((s * k).sum(axis=1), 0) * np.maximum(k[:, 2], 0) / (1 + s[:, 2])
     tail = 1 / np.sqrt(np.square(alpha) + 4 * (1 - np.asarray(alpha)) * q)
     return tail * D_ggx(h, alpha) * G1_smith(wo, alpha) / (4 * wo[:, 2].astype(float))
 
