@@ -36,7 +36,7 @@ LEVELS = (2, 4, 6)  # wider kernels are bounded by the sphere
 SPREAD = 0.25  # a kernel's variance an axis, of the solid angle that a sample stands for
 PAIRS = 24  # of n and v
 ENOUGH = 1024  # directions, for what is left to be no share of any one of them
-SUMMED = 2  # the level of the environment that is summed over
+SUMMED = 256  # columns, at most, of the level of the environment that is summed over
 WIDE = 0.04  # the least alpha whose lobe that level resolves
 
 
@@ -127,7 +127,8 @@ def of_filtered_light(
         | lights,
         UNIFORMS,
     )[:, :3]
-    theirs = _summed(levels_of(made.maps)[SUMMED], len(texels_of(made.maps[BASE])), turn, n, v)
+    level = next(x for x in levels_of(made.maps) if x.shape[1] <= SUMMED)
+    theirs = _summed(level, len(texels_of(made.maps[BASE])), turn, n, v)
     theirs = theirs(material, model)
     place = f"{material.name}, roughness {material.roughness:g}, in {environment.name}"
     return [measured("filtered light", relative(ours, theirs), place)]

@@ -30,7 +30,7 @@ ALLOWED = {
     "blurred levels": 0.03,
     "filtered light": 0.03,
     "lobes": 0.05,
-    "better split sum": 5e-3,
+    "better split sum": 1e-3,
     "samples": 1e-4,
     "densities": 1e-4,
     "horizon": 0.0,
