@@ -141,3 +141,10 @@ def test_environments_may_be_turned(make_case, copper):
     turned = picture(90.0, camera.model_copy(update={"up": (1.0, 0.0, 0.0)}))
     off = min(np.abs(upright - turned).max(), np.abs(upright - turned[::-1, ::-1]).max())
     assert off < 0.02 * upright.max()
+
+
+def test_nothing_is_darker_than_black(make_case):
+    """Kernels of fourth order have negative rims, and a narrow lobe may stand in one."""
+    silver = Material(roughness=0.1, metallic=1.0, metal="Ag", weight=0.0)
+    case = make_case(HERE / "environments" / "studio.exr", ("sphere", silver, {}), size=(96, 96))
+    assert drawn(case, "filtered@16").rgb.min() >= 0
