@@ -20,22 +20,41 @@ class Feature:
     Attributes:
         name: as #defined in GLSL where the shader tests for it.
         needed: whether a material needs it.
-        maps: the precomputed maps that it reads under the split sum.
+        maps: the precomputed maps that it reads under the paper's split sum.
         tables: those of them that hold only under the paper's masking.
+        split: those that it reads under the better one.
     """
 
     name: str
     needed: Callable[[Material], bool]
     maps: tuple[str, ...] = ()
     tables: tuple[str, ...] = ()
+    split: tuple[str, ...] = ()
 
 
 LOBES = (
-    Feature("D_GGX", lambda m: m.weight > 0, ("prefiltered_ggx",), ("table_ggx",)),
-    Feature("D_BECKMANN", lambda m: m.weight < 1, ("prefiltered_beckmann",), ("table_beckmann",)),
+    Feature(
+        "D_GGX",
+        lambda m: m.weight > 0,
+        ("prefiltered_ggx",),
+        ("table_ggx",),
+        ("lobe_ggx", "albedo_ggx", "towards_ggx"),
+    ),
+    Feature(
+        "D_BECKMANN",
+        lambda m: m.weight < 1,
+        ("prefiltered_beckmann",),
+        ("table_beckmann",),
+        ("lobe_beckmann", "albedo_beckmann", "towards_beckmann"),
+    ),
     Feature("G_GGX", lambda m: m.masking_weight > 0),
     Feature("G_BECKMANN", lambda m: m.masking_weight < 1),
-    Feature("DIFFUSE", lambda m: max(m.diffuse_albedo) > 0, ("irradiance_map",)),
+    Feature(
+        "DIFFUSE",
+        lambda m: max(m.diffuse_albedo) > 0,
+        ("irradiance_map",),
+        split=("irradiance_exact",),
+    ),
 )
 
 # What a model adds, by the material that needs it.
@@ -87,6 +106,8 @@ class Technique:
         fine: maps made so finely that their own error is gone, to tell it from others.
         forced: names of features compiled in whether a material needs them or not, to show what
             leaving them out saves and that it changes nothing.
+        reads: maps that it reads whatever the material.
+        split: whether it reads the maps of the better split sum.
     """
 
     name: str
@@ -101,6 +122,7 @@ class Technique:
     fine: tuple[str, ...] = ()
     forced: tuple[str, ...] = ()
     reads: tuple[str, ...] = ()
+    split: bool = False
 
     def matched(self, truth: str) -> Technique:
         """This technique with what a truth leaves out switched off."""
@@ -112,9 +134,9 @@ class Technique:
         )
 
     def incoming(self, material: Material) -> str:
-        """The shader file that says what light comes from a direction."""
+        """The shader file that says what light comes from a direction; incoming.glsl if empty."""
         if not self.occlusion:
-            return "incoming_open.glsl"
+            return ""
         return "incoming_traced.glsl" if self.traces(material) else "incoming_baked.glsl"
 
     def traces(self, material: Material) -> bool:
@@ -141,6 +163,8 @@ class Technique:
         if self.samples:
             return self.reads
         read = [f for f in LOBES if f.needed(material) or f.name in self.forced]
+        if self.split:
+            return tuple(m for f in read for m in f.split)
         tables = () if self.own_table(model) else tuple(t for f in read for t in f.tables)
         names = tuple(m for f in read for m in f.maps) + tables
         return tuple(f"{n}{FINE}" if n in self.fine else n for n in names)
@@ -162,6 +186,7 @@ TECHNIQUES = {
     "paper": Technique("paper", "shade_paper.glsl"),
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
+    "split": Technique("split", "shade_split.glsl", split=True),
     "filtered": Technique("filtered", "shade_filtered.glsl", samples=64, reads=LIT),
     "shadowed": Technique("shadowed", "shade_filtered.glsl", samples=64, reads=LIT, occlusion=True),
     "best": Technique(
@@ -175,18 +200,21 @@ TECHNIQUES = {
 }
 
 
+BY_COUNT = tuple(n for n, t in TECHNIQUES.items() if t.samples)  # that take any number of samples
+
+
 def technique(name: str) -> Technique:
-    """A technique by name; `sampled@N` takes N directions per pixel.
+    """A technique by name; `sampled@N` and `filtered@N` take N directions per pixel.
 
     Raises:
         ValueError: there is no such technique.
     """
     if found := TECHNIQUES.get(name):
         return found
-    match = re.fullmatch(r"(sampled|filtered|shadowed|best)@(\d{1,5})", name)
+    match = re.fullmatch(rf"({'|'.join(BY_COUNT)})@(\d{{1,5}})", name)
     if match and 0 < int(match[2]) <= MOST_SAMPLES:
         return replace(TECHNIQUES[match[1]], name=name, samples=int(match[2]))
-    known = ", ".join([*TECHNIQUES, "sampled@N"])
+    known = ", ".join([*TECHNIQUES, *(f"{n}@N" for n in BY_COUNT)])
     raise ValueError(f"unknown technique '{name}'; known: {known} with N up to {MOST_SAMPLES}")
 
 
@@ -197,7 +225,7 @@ def switched(base: Technique, model: Model = PAPER) -> dict[str, Technique]:
     are free of the error of that map (where `table` is shared by all materials).
     """
     thrown = {"specular": replace(base, diffuse=False)}
-    if not base.samples:
+    if not base.samples and not base.split:
         thrown["irradiance map"] = replace(base, fine=("irradiance_map",))
         if not base.own_table(model):
             thrown["table"] = replace(base, fine=("table_ggx", "table_beckmann"))

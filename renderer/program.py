@@ -24,8 +24,14 @@ def program(
     shade: str = "",
     incoming: str = "",
 ) -> moderngl.Program:
-    """A program from two shader files; `shade` and `incoming` stand in for files of these names."""
-    parts = {"shade.glsl": shade, "incoming.glsl": incoming}
+    """A program from two shader files.
+
+    `shade` stands in for the included shade.glsl; `incoming`, if given, for what says how much
+    light comes from a direction.
+    """
+    parts = {"shade.glsl": shade}
+    if incoming:
+        parts |= dict.fromkeys(("incoming.glsl", "light_visibility.glsl"), incoming)
     return compiled(source(vertex), source(fragment, defines, parts), str(SHADERS / fragment))
 
 

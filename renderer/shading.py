@@ -12,6 +12,7 @@ from renderer.features import FINE, LOST_LIGHT, Technique, features, split_sampl
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.lost_light import LostLight, lost_light
 from renderer.precompute.prefilter import LEVELS
+from renderer.precompute.split import LAYERS
 from renderer.program import Maps, program
 from renderer.surface import material_rows, surface_uniforms
 from scenes.schema import Case, Material, Object
@@ -70,13 +71,18 @@ class Shading:
         own = {"drawn_row": (index + 0.5) / len(self.case.objects)}
         if lost := self.lost[index]:
             own["multiscatter"] = lost.multiscatter
-        return own | surface_uniforms(material, model) | {
-            "light_sharers": how.supersample**2 if how.filtered else 1e9,
-            "set_samples": split_samples(material, how.per_set(material), model),
-            "pixel_samples": split_samples(material, how.per_set(material) * how.sets, model),
-            "prefilter_levels": float(LEVELS),
-            "coverage_samples": how.msaa,
-        }
+        return (
+            own
+            | surface_uniforms(material, model)
+            | {
+                "light_sharers": how.supersample**2 if how.filtered else 1e9,
+                "set_samples": split_samples(material, how.per_set(material), model),
+                "pixel_samples": split_samples(material, how.per_set(material) * how.sets, model),
+                "prefilter_levels": float(LEVELS),
+                "lobe_layers": float(LAYERS),
+                "coverage_samples": how.msaa,
+            }
+        )
 
     def maps(self, material: Material, maps: Maps) -> Maps:
         """The maps that shading a material reads, out of all that there are."""
@@ -92,9 +98,8 @@ class Shading:
         if self.technique.interreflection:
             back = [lost.multiscatter if lost else (0.0,) * 3 for lost in self.lost]
             told = [o.material for o in self.case.objects]
-            rows = np.stack(
-                [material_rows(m, self.case.model, b) for m, b in zip(told, back, strict=True)]
-            
+            pairs = zip(told, back, strict=True)
+            rows = np.stack([material_rows(m, self.case.model, b) for m, b in pairs])
             size = (rows.shape[1], count)
             made["materials"] = context().texture(size, 4, rows.tobytes(), dtype="f4")
         if any(self.lost):

@@ -6,6 +6,7 @@ smooth lobe. From its own level on a light is not in them but is shaded as a poi
 """
 
 from collections.abc import Collection
+from functools import lru_cache
 from typing import Any
 
 import moderngl
@@ -30,11 +31,16 @@ def make(radiance: moderngl.Texture, _names: Collection[str]) -> dict[str, moder
     an environment that is not turned, and the level from which on the light is gone (at the one
     below it is whole). Row 1: irradiance of a surface that faces it.
     """
+    return dict(zip(("lights_map", "blurred_map"), _made(radiance), strict=True))
+
+
+@lru_cache(maxsize=4)
+def _made(radiance: moderngl.Texture) -> tuple[moderngl.Texture, moderngl.Texture]:
     width, height = radiance.size
     pixels = np.frombuffer(radiance.read(), np.float32).reshape(height, width, 4)[..., :3]
     lights = extract(pixels)
     gone = levels_of(lights, width)
-    return {"lights_map": _stored(lights, gone), "blurred_map": _blurred(radiance, lights, gone)}
+    return _stored(lights, gone), _blurred(radiance, lights, gone)
 
 
 def levels_of(lights: Lights, width: int) -> np.ndarray:

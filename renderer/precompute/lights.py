@@ -1,10 +1,10 @@
 """Bright lights taken out of an environment: what is far above its mean, in a few clusters.
 
-A sample of a lobe stands for a share of its directions and looks the light up blurred by that much
-(`blurred`). Of a light that is far smaller than such a share it would show a disc, as far off as the
-samples lie apart. So each light leaves the environment at those levels whose texels are larger than
-it is, and is shaded there as a point instead: the balance heuristic of Veach and Guibas 1995, with
-a light's share of directions in place of a density.
+A sample of a lobe stands for a share of its directions and sees the light blurred by that much
+(`blurred`). Of a light far smaller than that it would show a disc, as far off as samples lie apart.
+So each light leaves the environment at those levels whose shares are larger than it is, and is
+shaded there as a point instead: a balance heuristic (Veach and Guibas 1995) with the inverse of a
+light's solid angle for the density of its one sample.
 """
 
 from dataclasses import dataclass
@@ -54,7 +54,8 @@ def texel_angles(height: int, width: int) -> np.ndarray:
 def extract(radiance: np.ndarray, most: int = MOST) -> Lights:
     """Take the lights out of a lat-long map (H, W, 3): radiance above BRIGHT means, by hue.
 
-    Clusters are halved where their power is spread the most, until there are `most` or all are SMALL.
+    Clusters are halved where their power is spread the most, until there are `most` or all are
+    SMALL.
     """
     height, width = radiance.shape[:2]
     angles = np.repeat(texel_angles(height, width), width)

@@ -5,8 +5,8 @@
 uniform sampler2D blurred_map;
 
 // What arrives on average over the share of directions that a sample stands for.
-vec3 environment(vec3 wi_world, float lod) {
-    return textureLod(blurred_map, radiance_uv(wi_world), lod).rgb;
+vec3 environment(vec3 world, float lod) {
+    return textureLod(blurred_map, radiance_uv(world), lod).rgb;
 }
 
 // The level for one of the samples of a density that integrates to their number: level l is for

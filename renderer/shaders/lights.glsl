@@ -1,3 +1,5 @@
+#include "light_visibility.glsl"
+
 // The lights taken out of the environment: renderer/precompute/lights.py.
 const int MOST_LIGHTS = 64; // as there
 uniform int light_count;

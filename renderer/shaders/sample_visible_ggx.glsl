@@ -13,21 +13,21 @@ vec3 stretched(vec3 w, float alpha) {
     return normalize(vec3(alpha * w.xy, w.z));
 }
 
-// A half vector of density D_visible times `tail_density`.
+// A half vector of density D_visible times `tail_density`. The cap's height z goes from 1 to -s.z;
+// 1 - z and 1 + z are written out, for near the lobe's middle z would lose all but its first digits.
 vec3 sample_visible_ggx(vec2 u, vec3 wo, float alpha) {
-    float r = 1.0 - u.x, beyond = r * (alpha + (1.0 - alpha) * r);
+    float r = max(1.0 - u.x, LEAST_REST), beyond = r * (alpha + (1.0 - alpha) * r);
     vec3 s = stretched(wo, alpha);
-    float z = beyond * (1.0 + s.z) - s.z;
-    float aside = sqrt(clamp(1.0 - z * z, 0.0, 1.0)), phi = 2.0 * PI * u.y;
-    vec3 h = vec3(aside * cos(phi), aside * sin(phi), z) + s;
-    // The least z is rounding of 1 - 1: a facet that stands upright.
-    return normalize(vec3(alpha * h.xy, max(h.z, 1e-7)));
+    float above = (1.0 + s.z) * u.x * (1.0 + (1.0 - alpha) * (1.0 - u.x)); // 1 - z
+    float below = dot(s.xy, s.xy) / (1.0 + s.z) + (1.0 + s.z) * beyond; // 1 + z
+    float aside = sqrt(max(above * below, 0.0)), phi = 2.0 * PI * u.y;
+    return normalize(vec3(alpha * (aside * vec2(cos(phi), sin(phi)) + s.xy), (1.0 + s.z) * beyond));
 }
 
 // dr/dq: how much denser than D_visible the samples lie at h.
 float tail_density(vec3 h, vec3 wo, float alpha) {
     vec3 s = stretched(wo, alpha), k = normalize(vec3(h.xy / alpha, h.z));
-    float beyond = 2.0 * max(dot(s, k), 0.0) * k.z / (1.0 + s.z);
+    float beyond = 2.0 * max(dot(s, k), 0.0) * max(k.z, 0.0) / (1.0 + s.z);
     return inversesqrt(alpha * alpha + 4.0 * (1.0 - alpha) * beyond);
 }
 

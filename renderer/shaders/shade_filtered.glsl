@@ -70,5 +70,6 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
 #ifdef LIGHTS
     L += lights(wo, to_world, m, count, sharers);
 #endif
-    return max(L, 0.0); // the blur's kernels dip below zero around what is bright
+    // Beside a bright edge the kernels' negative rims may outweigh the rest of a narrow lobe.
+    return max(L, 0.0);
 }
