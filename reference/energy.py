@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import erf
 
 NODES = 24  # Gauss-Legendre, per panel and dimension
-CAVITY_NODES = 48  # where cavities mask, with kinks across panels when wo grazes
+CAVITY_NODES = 64  # where cavities mask, with kinks across panels when wo grazes
 PLACES = np.linspace(0, 1, 97)  # see `place`
 TEXELS = 1024  # read linearly; what a cubic spline makes of the places
 BECKMANN_END = 6.5  # slopes over alpha; what lies beyond weighs exp(-42)
