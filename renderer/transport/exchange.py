@@ -45,8 +45,16 @@ def exchange(
         "irradiance": program("fullscreen.vert", "vertex_irradiance.frag", defines),
         "local_radiance": program("fullscreen.vert", "local_radiance.frag", defines),
     }
-    now = {name: pair[0] for name, pair in pairs.items()}
     gl.enable_only(moderngl.NOTHING)
+    direct = gl.texture(pairs["irradiance"][0].size, 4, dtype="f4")
+    once, target = (
+        program("fullscreen.vert", "vertex_direct.frag", defines),
+        gl.framebuffer([direct]),
+    )
+    set_uniforms(once, **uniforms)
+    bind_maps(once, maps | geometry.maps)
+    fill(target, once)
+    now = {name: pair[0] for name, pair in pairs.items()} | {"direct": direct}
     for bounce, asked in enumerate(ASKED):
         for name, shader in shaders.items():
             side = (bounce + 1) % 2
@@ -54,6 +62,7 @@ def exchange(
             bind_maps(shader, maps | geometry.maps | now)
             fill(targets[name][side], shader)
             now = now | {name: pairs[name][side]}
+    release(target, now.pop("direct"))
     for name, both in targets.items():
         release(*both)
         for texture in pairs[name]:
