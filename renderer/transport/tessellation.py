@@ -11,7 +11,7 @@ from scenes.schema import Case
 
 FINEST, COARSEST = 1 / 512, 1 / 24  # edges, as shares of an object's extent
 NEAR = 0.25  # an edge may be as long as this share of its distance to another object
-MOST_VERTICES = 400_000  # where a mesh is finer already, it is left as it is
+MOST_VERTICES = 200_000  # of an object; one that has more is left as it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ def _refined(mesh: Mesh | Tessellation, others: np.ndarray) -> Tessellation:
     faces = mesh.faces.astype(np.int64)
     extent = np.ptp(vertices, axis=0).max()
     near = cKDTree(others) if len(others) else None
-    while len(vertices) < MOST_VERTICES:
+    while True:
         edges, of_face = _edges(faces)
         ends = vertices[edges]
         length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
@@ -59,7 +59,7 @@ def _refined(mesh: Mesh | Tessellation, others: np.ndarray) -> Tessellation:
             distance = near.query(ends.mean(axis=1), distance_upper_bound=reach)[0] - length / 2
             allowed = np.clip(NEAR * distance, FINEST * extent, allowed)
         split = length > allowed
-        if not split.any():
+        if not split.any() or len(vertices) + split.sum() > MOST_VERTICES:
             break
         vertices, normals, faces = _halved(vertices, normals, faces, edges, of_face, split)
     return Tessellation(vertices, np.float32(normals), faces)

@@ -96,6 +96,12 @@ def test_long_edges_are_halved_near_others_and_nothing_cracks(ball_and_plate):
     np.testing.assert_array_equal(plate.normals, np.tile([0, 0, 1], (len(plate.normals), 1)))
 
 
+def test_surfaces_that_coincide_are_not_halved_without_end(light, make_case, monkeypatch):
+    monkeypatch.setattr("renderer.transport.tessellation.MOST_VERTICES", 5000)
+    for made in tessellate(make_case(light(1.0), *[("plane", GREY, {})] * 2)):
+        assert 100 < len(made.vertices) <= 5000
+
+
 def test_the_plate_sees_as_much_of_the_ball_as_a_cone_holds(ball_and_plate):
     objects = tessellate(ball_and_plate)
     found = bake(objects)
