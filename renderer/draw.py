@@ -1,5 +1,6 @@
 """Draw a case with a technique."""
 
+from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -7,29 +8,31 @@ from typing import Any
 import numpy as np
 
 from renderer.context import device
-from renderer.features import FINE, LOST_LIGHT, Technique, features, split_samples
+from renderer.features import Technique
 from renderer.objects import culled, object_ids, placed, vertex_array
 from renderer.passes import Draw, Prepared, draw_frame
-from renderer.precompute import Maps, precomputed
-from renderer.precompute.brdf_table import smith_table
-from renderer.precompute.lost_light import lost_light
-from renderer.precompute.prefilter import LEVELS
-from renderer.program import program
-from renderer.surface import surface_uniforms
+from renderer.precompute import precomputed
+from renderer.precompute.blurred import light_uniforms
+from renderer.program import Maps, program
+from renderer.shading import Shading
 from renderer.targets import Rectangle, make_target, within
+from renderer.transport.exchange import exchange
+from renderer.transport.scene import SceneGeometry, scene_geometry
 from renderer.view import View, covered, view
 from scenes.frame import Frame
-from scenes.schema import Case, Model, Object
+from scenes.schema import Case, Object
 
 REPEATS = 5
+RAY_OFFSET = 2e-5  # of the scene's size: how far rays start from their triangle
 TIMING_SECONDS = 0.4  # slow techniques are timed over fewer frames
 
 
+@dataclass(frozen=True)
 class Renderer:
     """The GLSL renderer with one technique; `render` meets the protocol of all renderers."""
 
-    def __init__(self, technique: Technique, repeats: int = REPEATS) -> None:
-        self.technique, self.repeats = technique, repeats
+    technique: Technique
+    repeats: int = REPEATS
 
     def render(self, case: Case, part: Rectangle | None = None) -> Frame:
         """Draw the case as linear radiance, (H, W, 3) float32.
@@ -49,12 +52,6 @@ class Renderer:
         environment = precomputed(case.environment.path)
         read = {m for o in case.objects for m in self.technique.maps(o.material, case.model)}
         environment.need(sorted(read))
-        tables = set()
-        if self.technique.own_table(case.model):
-            tables = {smith_table(o.material) for o in case.objects}
-        for obj in case.objects:
-            if features(obj.material, case.model) & LOST_LIGHT:
-                tables.add(lost_light(obj.material, case.model))
         start = perf_counter()
         part = part or (0, 0, case.width, case.height)
         prepared = self.prepare(case, environment.maps, part)
@@ -71,8 +68,8 @@ class Renderer:
             "renderer": "shadeproof",
             "technique": self.technique.name,
             "device": device().name,
-            "precomputation_seconds": environment.cost(read) + sum(t.seconds for t in tables),
-            "preparation_seconds": preparation,
+            "precomputation_seconds": environment.cost(read) + prepared.precomputation,
+            "preparation_seconds": preparation - prepared.precomputation,
             "frame_seconds": times,
         }
         seconds = median(times) if times else preparation
@@ -81,6 +78,7 @@ class Renderer:
     def prepare(self, case: Case, maps: Maps, part: Rectangle | None = None) -> Prepared:
         """Compile (or find) the shaders, gather the uniforms and make the target."""
         camera, turn = view(case), case.environment.rotation / 360
+        geometry = scene_geometry(case) if self.technique.occlusion else None
         scale = self.technique.supersample
         size = (case.width * scale, case.height * scale)
         part = tuple(scale * n for n in part or (0, 0, case.width, case.height))
@@ -92,53 +90,54 @@ class Renderer:
             "picture_corner": part[:2],
             "picture_size": size,
         }
+        if "lights_map" in self.technique.reads:
+            frame |= light_uniforms(maps["lights_map"], turn)
+        shading = Shading(self.technique, case, lit="light_count" in frame)
+        maps = maps | shading.material_maps
+        precomputation = shading.seconds
+        if geometry:
+            maps = maps | geometry.maps
+            frame |= {
+                "eye": camera.eye - geometry.middle,
+                "ray_offset": RAY_OFFSET * geometry.size,
+            }
+        if self.technique.interreflection:
+            made = exchange(geometry, frame, maps, shading.any_material)
+            maps, precomputation = maps | made.maps, precomputation + made.seconds
         draws = [
-            self._draw(number, obj, case.model, camera, size, part, frame, maps)
-            for number, obj in enumerate(case.objects, start=1)
+            self._draw(obj, shading, camera, size, part, frame, maps, geometry)
+            for obj in case.objects
         ]
-        target = make_target(size, self.technique.msaa, covered(case.objects, camera, size), part)
+        around = covered(case.objects, camera, size)
+        target = make_target(size, self.technique.msaa, around, part, placed=bool(geometry))
         background = program("fullscreen.vert", "background.frag")
         rays = frame | {"pixel_area": _pixel_area(camera, case)}
-        return Prepared(draws, background, rays, maps, target)
+        return Prepared(draws, background, rays, maps, target, precomputation)
 
     def _draw(
         self,
-        number: int,
         obj: Object,
-        model: Model,
+        shading: Shading,
         camera: View,
         size: tuple[int, int],
         part: Rectangle,
         frame: dict[str, Any],
         maps: Maps,
+        geometry: SceneGeometry | None,
     ) -> Draw:
-        material, how = obj.material, self.technique
-        defines = features(material, model, how.diffuse, how.forced)
-        if how.own_table(model):
-            maps = maps | {"table_smith": smith_table(material).texture}
-        own = {}
-        if defines & LOST_LIGHT:
-            lost = lost_light(material, model)
-            maps, own = maps | {"lost_light": lost.texture}, {"multiscatter": lost.multiscatter}
-        maps = maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}
-        raster = program("mesh.vert", "surface.frag")
-        sides = frozenset({"ANTIALIASED"}) if how.msaa else frozenset()
-        shading = program("fullscreen.vert", "surface_shade.frag", defines | sides, how.shade)
-        uniforms = {
-            **frame,
-            **placed(obj, camera),
-            "number": number,
-            **surface_uniforms(material, model),
-            **own,
-            "light_sharers": how.supersample**2 if how.filtered else 1e9,
-            "set_samples": split_samples(material, how.samples_per_set, model),
-            "pixel_samples": split_samples(material, how.samples_per_set * how.sets, model),
-            "prefilter_levels": float(LEVELS),
-            "coverage_samples": how.msaa,
-        }
-        vertices = vertex_array(obj.mesh, raster)
+        number = shading.case.index(obj.name)
+        if geometry:
+            raster, array, where = geometry.drawn(number - 1, camera)
+        else:
+            raster = program("mesh.vert", "surface.frag")
+            array, where = vertex_array(obj.mesh, raster), placed(obj, camera)
+        sides = {"ANTIALIASED"} if self.technique.msaa else set()
+        sides |= {"PLACED"} if geometry else set()
+        shader = shading.program(obj.material, frozenset(sides))
+        uniforms = frame | where | shading.uniforms(obj) | {"number": number}
+        maps = shading.maps(obj.material, maps)
         touched = within(covered((obj,), camera, size), part)
-        return Draw(vertices, raster, shading, uniforms, maps, culled(obj, camera), touched)
+        return Draw(array, raster, shader, uniforms, maps, culled(obj, camera), touched)
 
 
 def _pixel_area(camera: View, case: Case) -> float:

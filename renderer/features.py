@@ -4,6 +4,8 @@ A technique names the features of a whole frame; a lobe is compiled in only for 
 that have it.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -18,22 +20,41 @@ class Feature:
     Attributes:
         name: as #defined in GLSL where the shader tests for it.
         needed: whether a material needs it.
-        maps: the precomputed maps that it reads under the split sum.
+        maps: the precomputed maps that it reads under the paper's split sum.
         tables: those of them that hold only under the paper's masking.
+        split: those that it reads under the better one.
     """
 
     name: str
     needed: Callable[[Material], bool]
     maps: tuple[str, ...] = ()
     tables: tuple[str, ...] = ()
+    split: tuple[str, ...] = ()
 
 
 LOBES = (
-    Feature("D_GGX", lambda m: m.weight > 0, ("prefiltered_ggx",), ("table_ggx",)),
-    Feature("D_BECKMANN", lambda m: m.weight < 1, ("prefiltered_beckmann",), ("table_beckmann",)),
+    Feature(
+        "D_GGX",
+        lambda m: m.weight > 0,
+        ("prefiltered_ggx",),
+        ("table_ggx",),
+        ("lobe_ggx", "albedo_ggx", "towards_ggx"),
+    ),
+    Feature(
+        "D_BECKMANN",
+        lambda m: m.weight < 1,
+        ("prefiltered_beckmann",),
+        ("table_beckmann",),
+        ("lobe_beckmann", "albedo_beckmann", "towards_beckmann"),
+    ),
     Feature("G_GGX", lambda m: m.masking_weight > 0),
     Feature("G_BECKMANN", lambda m: m.masking_weight < 1),
-    Feature("DIFFUSE", lambda m: max(m.diffuse_albedo) > 0, ("irradiance_map",)),
+    Feature(
+        "DIFFUSE",
+        lambda m: max(m.diffuse_albedo) > 0,
+        ("irradiance_map",),
+        split=("irradiance_exact",),
+    ),
 )
 
 # What a model adds, by the material that needs it.
@@ -50,6 +71,11 @@ LOST_LIGHT = {"KD_INTERFACE", "KD_CONSERVING", "MULTISCATTER"}  # these read a t
 
 # Mesa's llvmpipe ends the loops of a shader, silently, after 65,535 turns in all.
 MOST_SAMPLES = 65_000
+
+# Lobes narrower than the cells of what is baked, in alpha, are traced.
+TRACED = 0.03
+# Rays a pixel: each may visit hundreds of nodes, and of all loops' turns there are 65,535.
+MOST_RAYS = 16
 
 FINE = "_fine"  # ends the names of maps made much more finely than a technique would
 
@@ -72,12 +98,16 @@ class Technique:
             them, and have at least one each.
         msaa: coverage samples per pixel, box-filtered; 0 for none.
         supersample: whole pixels drawn per pixel and axis, box-filtered.
+        occlusion: what stands in the light's way is baked at vertices and takes it away.
+        interreflection: and sends its own light instead, baked there too.
         filtered: look each sample up in a mip as large as its share of directions; without,
             the result has no bias and all of the noise.
         diffuse: with the diffuse lobe's light; without, only the specular lobes' is left.
         fine: maps made so finely that their own error is gone, to tell it from others.
         forced: names of features compiled in whether a material needs them or not, to show what
             leaving them out saves and that it changes nothing.
+        reads: maps that it reads whatever the material.
+        split: whether it reads the maps of the better split sum.
     """
 
     name: str
@@ -85,10 +115,38 @@ class Technique:
     samples: int = 0
     msaa: int = 4
     supersample: int = 1
+    occlusion: bool = False
+    interreflection: bool = False
     filtered: bool = True
     diffuse: bool = True
     fine: tuple[str, ...] = ()
     forced: tuple[str, ...] = ()
+    reads: tuple[str, ...] = ()
+    split: bool = False
+
+    def matched(self, truth: str) -> Technique:
+        """This technique with what a truth leaves out switched off."""
+        light = truth not in ("unoccluded", "direct")
+        return replace(
+            self,
+            occlusion=self.occlusion and truth != "unoccluded",
+            interreflection=self.interreflection and light,
+        )
+
+    def incoming(self, material: Material) -> str:
+        """The shader file that says what light comes from a direction; incoming.glsl if empty."""
+        if not self.occlusion:
+            return ""
+        return "incoming_traced.glsl" if self.traces(material) else "incoming_baked.glsl"
+
+    def traces(self, material: Material) -> bool:
+        """Whether rays are traced for a material, where others read what is baked."""
+        return self.occlusion and material.alpha < TRACED
+
+    def per_set(self, material: Material) -> int:
+        """Directions of a material in each set of a drawn pixel."""
+        samples = min(self.samples, MOST_RAYS) if self.traces(material) else self.samples
+        return -(-samples // (self.supersample**2 * self.sets))
 
     @property
     def sets(self) -> int:
@@ -103,8 +161,10 @@ class Technique:
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
         if self.samples:
-            return ()
+            return self.reads
         read = [f for f in LOBES if f.needed(material) or f.name in self.forced]
+        if self.split:
+            return tuple(m for f in read for m in f.split)
         tables = () if self.own_table(model) else tuple(t for f in read for t in f.tables)
         names = tuple(m for f in read for m in f.maps) + tables
         return tuple(f"{n}{FINE}" if n in self.fine else n for n in names)
@@ -120,25 +180,41 @@ class Technique:
         return ", ".join(f"{f} = '{getattr(model, f)}'" for f in fields)
 
 
+LIT = ("blurred_map", "lights_map")  # the environment and its lights, apart
+
 TECHNIQUES = {
     "paper": Technique("paper", "shade_paper.glsl"),
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
+    "split": Technique("split", "shade_split.glsl", split=True),
+    "filtered": Technique("filtered", "shade_filtered.glsl", samples=64, reads=LIT),
+    "shadowed": Technique("shadowed", "shade_filtered.glsl", samples=64, reads=LIT, occlusion=True),
+    "best": Technique(
+        "best",
+        "shade_filtered.glsl",
+        samples=64,
+        reads=LIT,
+        occlusion=True,
+        interreflection=True,
+    ),
 }
 
 
+BY_COUNT = tuple(n for n, t in TECHNIQUES.items() if t.samples)  # that take any number of samples
+
+
 def technique(name: str) -> Technique:
-    """A technique by name; `sampled@N` takes N directions per pixel.
+    """A technique by name; `sampled@N` and `filtered@N` take N directions per pixel.
 
     Raises:
         ValueError: there is no such technique.
     """
     if found := TECHNIQUES.get(name):
         return found
-    match = re.fullmatch(r"sampled@(\d{1,5})", name)
-    if match and 0 < int(match[1]) <= MOST_SAMPLES:
-        return Technique(name, "shade_sampled.glsl", samples=int(match[1]))
-    known = ", ".join([*TECHNIQUES, "sampled@N"])
+    match = re.fullmatch(rf"({'|'.join(BY_COUNT)})@(\d{{1,5}})", name)
+    if match and 0 < int(match[2]) <= MOST_SAMPLES:
+        return replace(TECHNIQUES[match[1]], name=name, samples=int(match[2]))
+    known = ", ".join([*TECHNIQUES, *(f"{n}@N" for n in BY_COUNT)])
     raise ValueError(f"unknown technique '{name}'; known: {known} with N up to {MOST_SAMPLES}")
 
 
@@ -149,7 +225,7 @@ def switched(base: Technique, model: Model = PAPER) -> dict[str, Technique]:
     are free of the error of that map (where `table` is shared by all materials).
     """
     thrown = {"specular": replace(base, diffuse=False)}
-    if not base.samples:
+    if not base.samples and not base.split:
         thrown["irradiance map"] = replace(base, fine=("irradiance_map",))
         if not base.own_table(model):
             thrown["table"] = replace(base, fine=("table_ggx", "table_beckmann"))

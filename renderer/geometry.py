@@ -18,14 +18,23 @@ def buffers(mesh: str) -> tuple[moderngl.Buffer, moderngl.Buffer]:
     to `middle`: far from the mesh's own origin float32 would lose them in the sums to come.
     """
     loaded = load_mesh(mesh)
-    faces = loaded.faces[np.argsort(_morton(loaded.vertices[loaded.faces].mean(axis=1)))]
-    used, first = np.unique(faces, return_index=True)
-    order = used[np.argsort(first)]
-    rank = np.empty(len(loaded.vertices), np.uint32)
-    rank[order] = np.arange(len(order), dtype=np.uint32)
+    faces, order = in_drawing_order(loaded.vertices, loaded.faces)
     vertices = np.hstack([loaded.vertices - middle(mesh), loaded.normals])[order]
     gl = context()
-    return gl.buffer(np.float32(vertices).tobytes()), gl.buffer(rank[faces].tobytes())
+    return gl.buffer(np.float32(vertices).tobytes()), gl.buffer(faces.tobytes())
+
+
+def in_drawing_order(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Faces (m, 3) uint32 along a Morton curve, and the vertices in the order of their first use.
+
+    The faces name places in that order.
+    """
+    faces = faces[np.argsort(_morton(vertices[faces].mean(axis=1)))]
+    used, first = np.unique(faces, return_index=True)
+    order = used[np.argsort(first)]
+    rank = np.empty(len(vertices), np.uint32)
+    rank[order] = np.arange(len(order), dtype=np.uint32)
+    return rank[faces], order
 
 
 @cache

@@ -38,6 +38,11 @@ def placed(obj: Object, camera: View) -> dict[str, Any]:
     }
 
 
+def placed_in_world(middle: np.ndarray, camera: View) -> dict[str, Any]:
+    """The uniform that shows what stands in world space already, from its middle (3,)."""
+    return {"to_clip": (camera.to_clip @ translation_matrix(middle)).T.astype(np.float32).tobytes()}
+
+
 def culled(obj: Object, camera: View) -> bool:
     """Whether the object's back faces are hidden for sure: it is closed and the eye outside."""
     return load_mesh(obj.mesh).closed and not inside(obj, camera.eye)

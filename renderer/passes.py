@@ -11,8 +11,7 @@ from typing import Any
 import moderngl
 
 from renderer.context import context
-from renderer.precompute import Maps
-from renderer.program import bind_maps, fill, set_uniforms
+from renderer.program import Maps, bind_maps, fill, set_uniforms
 from renderer.targets import Rectangle, Target, clear_depth, outside
 
 
@@ -39,13 +38,18 @@ class Draw:
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A case ready to be drawn again and again."""
+    """A case ready to be drawn again and again.
+
+    Attributes:
+        precomputation: seconds that its materials' tables and the light between its surfaces took.
+    """
 
     draws: list[Draw]
     background: moderngl.Program
     background_uniforms: dict[str, Any]
     maps: Maps
     target: Target
+    precomputation: float
 
 
 def draw_frame(prepared: Prepared) -> None:
@@ -99,10 +103,10 @@ def _rasterise(draws: list[Draw]) -> None:
 
 def _shade(prepared: Prepared) -> None:
     target = prepared.target
-    (surfaces,) = target.drawn.color_attachments
+    shown = dict(zip(("surfaces", "triangles"), target.drawn.color_attachments, strict=False))
     for draw in prepared.draws:
         set_uniforms(draw.shading, **draw.uniforms, corner=target.corner)
-        bind_maps(draw.shading, draw.maps | {"surfaces": surfaces})
+        bind_maps(draw.shading, draw.maps | shown)
         fill(target.finished, draw.shading, draw.covered)
 
 

@@ -10,16 +10,28 @@ from renderer.context import context
 from renderer.glsl import SHADERS, place_of, source
 from scenes.errors import InputError
 
+Maps = dict[str, moderngl.Texture]  # by the names of their samplers in GLSL
+
 REMEDY = "mend the shader"
 _PLACE = re.compile(r"(?:ERROR: )?\d+[:(](\d+)[^:]*:\s*(?:error[^:]*:\s*)?(.+)")
 
 
 @cache
 def program(
-    vertex: str, fragment: str, defines: frozenset[str] = frozenset(), shade: str = ""
+    vertex: str,
+    fragment: str,
+    defines: frozenset[str] = frozenset(),
+    shade: str = "",
+    incoming: str = "",
 ) -> moderngl.Program:
-    """A program from two shader files; `shade` stands in for the included shade.glsl."""
+    """A program from two shader files.
+
+    `shade` stands in for the included shade.glsl; `incoming`, if given, for what says how much
+    light comes from a direction.
+    """
     parts = {"shade.glsl": shade}
+    if incoming:
+        parts |= dict.fromkeys(("incoming.glsl", "light_visibility.glsl"), incoming)
     return compiled(source(vertex), source(fragment, defines, parts), str(SHADERS / fragment))
 
 

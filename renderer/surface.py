@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from scenes.schema import PAPER, Material, Model
 
 
@@ -27,3 +29,21 @@ def surface_uniforms(material: Material, model: Model = PAPER) -> dict[str, Any]
         if material.metallic > 0:
             found["metal_eta"], found["metal_k"] = material.metal_index
     return found
+
+
+def material_rows(
+    material: Material, model: Model, multiscatter: tuple[float, float, float]
+) -> np.ndarray:
+    """The same as texels (7, 4) float32, for shaders that meet any material: `material_of`.
+
+    What the model does not ask for is 0, but for eta, which must be an index.
+    """
+    told = surface_uniforms(material, model)
+    rows = np.zeros((7, 4), np.float32)
+    rows[0] = (*told["albedo"], told["alpha"])
+    rows[1] = (*told["f0"], told["weight_d"][0])
+    rows[2] = (told["weight_g"][0], told.get("metallic", 0), told.get("eta", 1), 0)
+    rows[3, :3] = told.get("f82", 0)
+    rows[4, :3], rows[5, :3] = told.get("metal_eta", 1), told.get("metal_k", 0)
+    rows[6, :3] = multiscatter
+    return rows

@@ -50,7 +50,9 @@ class Target:
         release(self.drawn, self.finished, *attached.values())
 
 
-def make_target(size: tuple[int, int], msaa: int, covered: Rectangle, part: Rectangle) -> Target:
+def make_target(
+    size: tuple[int, int], msaa: int, covered: Rectangle, part: Rectangle, placed: bool = False
+) -> Target:
     """A float32 RGBA target for a part of a picture, with `msaa` samples a pixel, 0 for none.
 
     float32, since suns exceed the 65,504 that float16 can hold. Whatever the part, the whole
@@ -59,6 +61,7 @@ def make_target(size: tuple[int, int], msaa: int, covered: Rectangle, part: Rect
     Args:
         size: width and height of the whole picture.
         covered: what objects may touch of it.
+        placed: keep the triangle that each sample shows, too.
 
     Raises:
         InputError: the driver offers no such sizes or not so many samples.
@@ -72,15 +75,18 @@ def make_target(size: tuple[int, int], msaa: int, covered: Rectangle, part: Rect
         depth = gl.depth_renderbuffer(size)
         finished = gl.framebuffer([colour], depth)
         finished.depth_mask = False  # its depth is that of `drawn`
-        drawn = gl.framebuffer([gl.texture(size, 4, dtype="f4")], depth)
+        shown = [gl.texture(size, 4, dtype="f4")]
+        if placed:
+            shown.append(gl.texture(size, 1, dtype="u4"))
+        drawn = gl.framebuffer(shown, depth)
         drawn.viewport = (-corner[0], -corner[1], *whole)
         return Target(drawn, finished, covered)
     left, bottom, *inner = covered
     inner = max(inner[0], 1), max(inner[1], 1)
-    drawn = gl.framebuffer(
-        [gl.texture(inner, 4, samples=msaa, dtype="f4")],
-        gl.depth_renderbuffer(inner, samples=msaa),
-    )
+    shown = [gl.texture(inner, 4, samples=msaa, dtype="f4")]
+    if placed:
+        shown.append(gl.texture(inner, 1, samples=msaa, dtype="u4"))
+    drawn = gl.framebuffer(shown, gl.depth_renderbuffer(inner, samples=msaa))
     drawn.viewport = (-corner[0] - left, -corner[1] - bottom, *whole)
     return Target(drawn, gl.framebuffer([colour]), covered)
 
@@ -113,12 +119,18 @@ def _hanging(framebuffer: moderngl.Framebuffer) -> list[Any]:
 def clear_depth(framebuffer: moderngl.Framebuffer) -> None:
     """Bind a framebuffer and clear its depth alone: every pixel's colour will be written anyway."""
     viewport, framebuffer.viewport = framebuffer.viewport, (0, 0, *framebuffer.size)
-    framebuffer.color_mask = (False,) * 4
+    framebuffer.color_mask = _masks(framebuffer, False)
     framebuffer.use()  # which sets the masks
     framebuffer.clear()
-    framebuffer.color_mask = (True,) * 4
+    framebuffer.color_mask = _masks(framebuffer, True)
     framebuffer.viewport = viewport
     framebuffer.use()
+
+
+def _masks(framebuffer: moderngl.Framebuffer, written: bool) -> Any:
+    """What is written of each colour attachment; of a lone one moderngl wants no list."""
+    masks = [(written,) * 4] * len(framebuffer.color_attachments)
+    return masks if len(masks) > 1 else masks[0]
 
 
 def within(rectangle: Rectangle, part: Rectangle) -> Rectangle:

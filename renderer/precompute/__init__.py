@@ -8,10 +8,10 @@ from time import perf_counter
 import moderngl
 
 from renderer.context import context
-from renderer.precompute import brdf_table, irradiance, prefilter, radiance
+from renderer.precompute import blurred, brdf_table, irradiance, prefilter, radiance, split
+from renderer.program import Maps
 from scenes.schema import file_digest
 
-Maps = dict[str, moderngl.Texture]
 BASE = "radiance_map"
 # Each maker takes the radiance map and the names of what is wanted, and returns just that.
 MAKERS: dict[str, Callable[[moderngl.Texture, Collection[str]], Maps]] = {
@@ -19,6 +19,13 @@ MAKERS: dict[str, Callable[[moderngl.Texture, Collection[str]], Maps]] = {
     "irradiance_map_fine": irradiance.make,
     "prefiltered_ggx": prefilter.make,
     "prefiltered_beckmann": prefilter.make,
+    "blurred_map": blurred.make,
+    "lights_map": blurred.make,
+    "lobe_ggx": split.make_lobes,
+    "lobe_beckmann": split.make_lobes,
+    "irradiance_exact": split.make_irradiance,
+    **dict.fromkeys(("albedo_ggx", "albedo_beckmann"), split.make_tables),
+    **dict.fromkeys(("towards_ggx", "towards_beckmann"), split.make_tables),
     "table_ggx": brdf_table.make,
     "table_beckmann": brdf_table.make,
     "table_ggx_fine": brdf_table.make_fine,

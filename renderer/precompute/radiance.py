@@ -12,7 +12,12 @@ from scenes.environment import load_environment
 
 def make(path: Path) -> moderngl.Texture:
     """A float32 RGBA texture with full mips; columns wrap, rows clamp."""
-    levels = pyramid(load_environment(path).radiance)
+    return as_texture(load_environment(path).radiance)
+
+
+def as_texture(radiance: np.ndarray) -> moderngl.Texture:
+    """The same of a map (H, W, 3) at hand."""
+    levels = pyramid(radiance)
     height, width = levels[0].shape[:2]
     texture = context().texture((width, height), 4, dtype="f4")
     texture.build_mipmaps()  # allocates the levels that are overwritten here

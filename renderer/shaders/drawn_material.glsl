@@ -19,8 +19,15 @@ uniform vec3 metal_k;
 uniform vec3 multiscatter;
 #endif
 
+#ifdef LOST_LIGHT
+uniform float drawn_row;
+#endif
+
 Material drawn_material() {
     Material m;
+#ifdef LOST_LIGHT
+    lost_row = drawn_row;
+#endif
     m.albedo = albedo;
     m.f0 = f0;
     m.alpha = alpha;

@@ -33,3 +33,13 @@ def cumulated(lobe: str, z: np.ndarray, alpha: float) -> np.ndarray:
         return sin2
     tan2 = sin2 / z**2
     return tan2 / (alpha**2 + tan2) if lobe == "ggx" else -np.expm1(-tan2 / alpha**2)
+
+
+def fourth_order(variance: float) -> Callable[[np.ndarray], np.ndarray]:
+    """A round kernel of no second moment: (2 - x) exp(-x), x = (1 - cos) / variance an axis."""
+
+    def kernel(cosine: np.ndarray) -> np.ndarray:
+        x = (1 - cosine) / variance
+        return (2 - x) * np.exp(-x)
+
+    return kernel

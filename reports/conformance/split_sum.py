@@ -8,23 +8,49 @@ import numpy as np
 from reports.stability import oracle
 from scenes.schema import Material
 
+Masking = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+
 
 def scale_bias(
-    cosine: float,
-    alpha: float,
-    weight: tuple[float, float],
-    masking: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
-    points: int = 64,
+    cosine: float, alpha: float, weight: tuple[float, float], masking: Masking, points: int = 64
 ) -> np.ndarray:
     """The split sum's scale and bias for F0, (2,): Karis 2013, second sum, as an integral.
-
-    Gauss-Legendre in the share of facets that lie nearer to n, uniform in azimuth; each lobe by its
-    own facets.
 
     Args:
         cosine: n.v.
         weight: shares of GGX and Beckmann in D.
         masking: G by wi, wo (n, 3) and wo.h (n,).
+    """
+
+    def split(_wi: np.ndarray, wo_h: np.ndarray) -> np.ndarray:
+        fresnel = (1 - wo_h) ** 5
+        return np.stack([1 - fresnel, fresnel])
+
+    return _reflected(cosine, alpha, weight, masking, points, split)
+
+
+def towards(
+    cosine: float, alpha: float, weight: tuple[float, float], masking: Masking, points: int = 64
+) -> np.ndarray:
+    """The integral of wi itself, (2,): x and z of where light goes in the plane of incidence.
+
+    The arguments are those of `scale_bias`.
+    """
+    return _reflected(cosine, alpha, weight, masking, points, lambda wi, _: wi[:, [0, 2]].T)
+
+
+def _reflected(
+    cosine: float,
+    alpha: float,
+    weight: tuple[float, float],
+    masking: Masking,
+    points: int,
+    values: Callable[[np.ndarray, np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Integrals of values of wi and wo.h, (k, n), over what is reflected, (k,).
+
+    Gauss-Legendre in the share of facets that lie nearer to n, uniform in azimuth; each lobe by its
+    own facets.
     """
     nodes, areas = _gauss_legendre(points)
     share, area = np.repeat((nodes + 1) / 2, points), np.repeat(areas / 2, points) / points
@@ -43,8 +69,7 @@ def scale_bias(
         seen = (wi[:, 2] > 0) & (wo_h > 0)
         wi, h, wo_h, a = wi[seen], h[seen], wo_h[seen], area[seen]
         value = masking(wi, wo[seen], wo_h) * wo_h / (h[:, 2] * cosine) * a
-        fresnel = (1 - wo_h) ** 5
-        total += part * np.array([(value * (1 - fresnel)).sum(), (value * fresnel).sum()])
+        total += part * values(wi, wo_h) @ value
     return total
 
 

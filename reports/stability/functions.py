@@ -159,6 +159,45 @@ def _functions() -> list[Function]:
             ("wi", "wo", "alpha", "count"),
             oracle.sample_density,
         ),
+        Function(
+            "sample_visible_ggx",
+            "sample_visible_ggx({u}, {wo}, {alpha})",
+            ("sample_visible_ggx.glsl",),
+            ("u", "wo", "alpha"),
+            oracle.sampled_visible_ggx,
+            3,
+        ),
+        Function(
+            "pdf_visible_ggx",
+            "pdf_visible_ggx(normalize({wi} + {wo}), {wo}, {alpha})",
+            ("sample_visible_ggx.glsl",),
+            ("wi", "wo", "alpha"),
+            oracle.pdf_visible_ggx,
+        ),
+        Function(
+            "filtered_density",
+            "filtered_density({wi}, {wo}, Material(vec3(1.0), vec3(1.0), {alpha}, vec2(0.5), "
+            "vec2(0.5)), ivec2({count}))",
+            ("shade_filtered.glsl",),
+            ("wi", "wo", "alpha", "count"),
+            oracle.filtered_density,
+        ),
+        Function(
+            "spiral",
+            "spiral(int({index}), int({points}), 0, 1)",
+            ("spiral.glsl",),
+            ("index", "points"),
+            oracle.spiral,
+            2,
+        ),
+        Function(
+            "view_frame",
+            "view_frame({n}, {w})[0]",
+            ("view_frame.glsl",),
+            ("n", "w"),
+            oracle.view_axis,
+            3,
+        ),
         *(
             Function(
                 f"sample_{lobe}",

@@ -165,6 +165,54 @@ def sample_density(wi: np.ndarray, wo: np.ndarray, alpha: Alpha, count: np.ndarr
     return facets * h[:, 2] / (4 * wo_h) + share[2] * wi[:, 2].astype(float) / np.pi
 
 
+def _stretched(w: np.ndarray, alpha: Alpha) -> np.ndarray:
+    out = w.astype(float) * np.stack([np.asarray(alpha) + 0 * w[:, 0]] * 2 + [1 + 0 * w[:, 0]], 1)
+    return out / np.linalg.norm(out, axis=1, keepdims=True)
+
+
+def sampled_visible_ggx(u: np.ndarray, wo: np.ndarray, alpha: Alpha) -> np.ndarray:
+    """A half vector, (n, 3): Dupuy and Benyoub 2023, listing 3, with more samples in the tail."""
+    r = np.maximum(1 - u[:, 0].astype(float), 2.0**-24)
+    beyond = r * (alpha + (1 - alpha) * r)
+    s, phi = _stretched(wo, alpha), 2 * np.pi * u[:, 1].astype(float)
+    height = (1 + s[:, 2]) * beyond  # of h: z + s.z
+    aside = np.sqrt(np.maximum((1 + s[:, 2] - height) * (1 - s[:, 2] + height), 0))
+    h = np.stack([aside * np.cos(phi) + s[:, 0], aside * np.sin(phi) + s[:, 1], height], 1)
+    return _stretched(h, alpha)
+
+
+def pdf_visible_ggx(wi: np.ndarray, wo: np.ndarray, alpha: Alpha) -> np.ndarray:
+    """Density of the directions wi that those reflect, per steradian, (n,).
+
+    Heitz 2018, eq. 3 and 17: G1(wo) D(h) / (4 n.wo); and dr/dq where q = alpha r + (1 - alpha) r².
+    """
+    h, _ = half_vector(wi, wo)
+    s, k = _stretched(wo, alpha), _stretched(h, 1 / np.asarray(alpha))
+    q = 2 * np.maximum((s * k).sum(axis=1), 0) * np.maximum(k[:, 2], 0) / (1 + s[:, 2])
+    tail = 1 / np.sqrt(np.square(alpha) + 4 * (1 - np.asarray(alpha)) * q)
+    return tail * D_ggx(h, alpha) * G1_smith(wo, alpha) / (4 * wo[:, 2].astype(float))
+
+
+def filtered_density(wi: np.ndarray, wo: np.ndarray, alpha: Alpha, count: np.ndarray) -> np.ndarray:
+    """Of `count` (..., 2 or more) samples of visible normals and of cosine, per steradian, (n,)."""
+    share = np.moveaxis(np.asarray(count, float), -1, 0)
+    return share[0] * pdf_visible_ggx(wi, wo, alpha) + share[1] * wi[:, 2].astype(float) / np.pi
+
+
+def spiral(index: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Point i of n of a spiral of golden angles (Vogel 1979), (n, 2): ring and turn."""
+    golden = (np.sqrt(5) - 1) / 2
+    turn = (golden * index.astype(float) + 0.25) % 1
+    return np.stack([(index.astype(float) + 0.5) / points, turn], axis=1)
+
+
+def view_axis(n: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """The axis across n in the plane of n and v, (n, 3), towards v."""
+    n, v = n.astype(float), v.astype(float)
+    x = v - (n * v).sum(axis=1, keepdims=True) * n
+    return x / np.linalg.norm(x, axis=1, keepdims=True)
+
+
 def tangent(n: np.ndarray) -> np.ndarray:
     """The first axis of a frame about n, (n, 3). Duff et al. 2017, listing 3."""
     x, y, z = n.astype(float).T

@@ -9,13 +9,15 @@ COMPENSATED = Model(fresnel="exact", kd="conserving", masking="smith", multiscat
 
 
 def test_known_techniques_have_their_names():
-    for name in ("paper", "paper-noaa", "sampled"):
+    for name in ("paper", "paper-noaa", "sampled", "split", "filtered"):
         assert technique(name).name == name
     assert technique("paper-noaa").msaa == 0 and technique("paper").msaa == 4
 
 
-@pytest.mark.parametrize(("name", "samples"), [("sampled@1", 1), ("sampled@65000", 65000)])
-def test_sampled_takes_a_number(name, samples):
+@pytest.mark.parametrize(
+    ("name", "samples"), [("sampled@1", 1), ("sampled@65000", 65000), ("filtered@16", 16)]
+)
+def test_a_technique_that_samples_takes_a_number(name, samples):
     assert (technique(name).name, technique(name).samples) == (name, samples)
 
 
@@ -34,7 +36,10 @@ def test_sampled_takes_a_number(name, samples):
     ],
 )
 def test_other_names_are_refused_with_those_that_are_known(name):
-    with pytest.raises(ValueError, match="known: paper, paper-noaa, sampled, sampled@N"):
+    with pytest.raises(
+        ValueError,
+        match="known: paper, paper-noaa, sampled, split, filtered, sampled@N, filtered@N",
+    ):
         technique(name)
 
 

@@ -53,6 +53,7 @@ def maps() -> Iterator[Map]:
     yield from fresnel_of_models()
     yield density()
     yield from samplers()
+    yield from visible()
     yield hammersley()
 
 
@@ -227,6 +228,41 @@ def samplers() -> Iterator[Map]:
             unit="error of n.h and of its sine, relative",
             judged=OF_ALPHA,
         )
+
+
+def visible() -> Iterator[Map]:
+    """Visible normals: where random numbers are sent, and how densely."""
+    alpha, wi, wo = pairs()
+    yield term(
+        "pdf_visible_ggx",
+        (ONE, COSINE, ALPHA),
+        {"wi": wi, "wo": wo, "alpha": alpha},
+        why="Light is divided by it; its tail is denser than that of the normals that are seen.",
+        judged=JUDGED,
+    )
+    counts = np.float32([[1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    yield term(
+        "filtered_density",
+        (axis("lobes", range(len(counts))), COSINE, ALPHA),
+        {"wi": wi, "wo": wo, "alpha": alpha},
+        {"count": counts},
+        why="Light is divided by it. Slices: visible normals, with the cosine lobe, that alone.",
+        judged=JUDGED,
+    )
+    first, alpha = spread(U.values, ALPHAS, AROUND)
+    rng = np.random.default_rng(4)
+    u = np.stack([first, rng.uniform(0, 1, first.size)], axis=1).astype(np.float32)
+    wo = unit(rng.uniform(0.02, 1, first.size), rng.uniform(0, 6, first.size)).astype(np.float32)
+    yield term(
+        "sample_visible_ggx",
+        (ONE, U, ALPHA),
+        {"u": u, "wo": wo, "alpha": alpha.astype(np.float32)},
+        None,
+        lambda ours, truth, _: turned(ours, truth),
+        why="Random numbers from 0 to the last float32 below 1 all give facets that can be seen.",
+        unit="error of n.h and of its sine, relative",
+        judged=OF_ALPHA,
+    )
 
 
 def hammersley() -> Map:

@@ -1,0 +1,99 @@
+#include "brdf.glsl"
+#include "density.glsl"
+#include "frame.glsl"
+#include "here.glsl"
+#include "hammersley.glsl"
+#include "sample_ggx.glsl"
+#include "sample_beckmann.glsl"
+
+// What a surface sends to another one: coarsely, since it is seen through a reflection.
+uniform sampler2D materials;  // of each object, as renderer/surface.py lays them out
+uniform sampler2D normals;    // of each vertex
+uniform sampler2D irradiance; // of each vertex, of all that shines on it
+
+Material material_of(int object) {
+    vec4 a = texelFetch(materials, ivec2(0, object), 0), b = texelFetch(materials, ivec2(1, object), 0);
+    vec4 c = texelFetch(materials, ivec2(2, object), 0);
+    Material m;
+    m.albedo = a.rgb;
+    m.f0 = b.rgb;
+    m.alpha = a.a;
+    m.weight_d = vec2(b.a, 1.0 - b.a);
+    m.weight_g = vec2(c.x, 1.0 - c.x);
+#ifdef FRESNEL_F82
+    m.f82 = texelFetch(materials, ivec2(3, object), 0).rgb;
+#endif
+#if defined(FRESNEL_METAL) || defined(FRESNEL_DIELECTRIC)
+    m.metallic = c.y;
+    m.eta = c.z;
+    m.metal_eta = texelFetch(materials, ivec2(4, object), 0).rgb;
+    m.metal_k = texelFetch(materials, ivec2(5, object), 0).rgb;
+#endif
+#ifdef MULTISCATTER
+    m.multiscatter = texelFetch(materials, ivec2(6, object), 0).rgb;
+#endif
+#ifdef LOST_LIGHT
+    lost_row = (float(object) + 0.5) / float(textureSize(materials, 0).y);
+#endif
+    return m;
+}
+
+// The share of diffuse light that leaves towards v, 1 - F(h.wi) averaged over wi by its cosine.
+vec3 diffuse_share(vec3 f0, float cos_theta) {
+    // (1 - h.wi)^5 averages to .028 (1 - n.v)^3, within .0014.
+    float m = 1.0 - cos_theta;
+    return (1.0 - f0) * (1.0 - 0.028 * m * m * m);
+}
+
+// Direction i of those that the lobes share out by `count`.
+vec3 direction_of(vec3 wo, int i, ivec3 count, float alpha) {
+    bool ggx = i < count.x;
+    vec2 u = ggx ? hammersley(uint(i), uint(count.x)) : hammersley(uint(i - count.x), uint(count.y));
+#if defined(D_GGX) && defined(D_BECKMANN)
+    return reflect(-wo, ggx ? sample_ggx(u, alpha) : sample_beckmann(u, alpha));
+#elif defined(D_GGX)
+    return reflect(-wo, sample_ggx(u, alpha));
+#else
+    return reflect(-wo, sample_beckmann(u, alpha));
+#endif
+}
+
+// Of the environment with its lights, blurred over a sample's share of directions.
+vec3 baked_light(vec3 world, float density) {
+    float visibility = 0.0;
+    vec3 L = baked_surfaces(world, visibility);
+    if (visibility > 0.0) L += visibility * radiance(world, radiance_lod(world, density, 1.0));
+    return L;
+}
+
+// Towards v and the directions in a solid angle of `share` around it, from where the `here_`
+// variables say, by `few` directions of the specular lobe. Of several observers each takes its own.
+vec3 surface_light(vec3 v, int object, int few, int observer, int observers, float share) {
+    vec3 n = vec3(0.0), E = vec3(0.0);
+    for (int k = 0; k < 3; ++k) {
+        ivec2 texel = row_texel(int(here_vertices[k]));
+        n += here_weights[k] * texelFetch(normals, texel, 0).xyz;
+        E += here_weights[k] * texelFetch(irradiance, texel, 0).rgb;
+    }
+    n = normalize(n);
+    float cos_theta = dot(n, v);
+    if (cos_theta <= 0.0) return vec3(0.0);
+    Material m = material_of(object);
+    vec3 L = diffuse_share(m.f0, cos_theta) * m.albedo * INV_PI * E;
+    m.albedo = vec3(0.0);
+    mat3 to_world = tangent_frame(n);
+    vec3 wo = v * to_world;
+    int all = few * observers;
+    ivec3 count = ivec3(round(float(all) * m.weight_d), 0);
+    count.y = all - count.x;
+    vec3 specular = vec3(0.0);
+    for (int i = observer; i < all; i += observers) {
+        vec3 wi = direction_of(wo, i, count, m.alpha);
+        if (wi.z <= 0.0) continue;
+        float density = sample_density(wi, wo, m, count);
+        if (density <= 0.0) continue;
+        vec3 world = to_world * wi;
+        specular += brdf(wi, wo, m) * wi.z / density * baked_light(world, 1.0 / (1.0 / density + share));
+    }
+    return L + float(observers) * specular;
+}

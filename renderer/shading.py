@@ -1,0 +1,117 @@
+"""How a technique shades the materials of a case: programs, and what they are told."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from renderer.context import context
+from renderer.features import FINE, LOST_LIGHT, Technique, features, split_samples
+from renderer.precompute.brdf_table import smith_table
+from renderer.precompute.lost_light import LostLight, lost_light
+from renderer.precompute.prefilter import LEVELS
+from renderer.precompute.split import LAYERS
+from renderer.program import Maps, program
+from renderer.surface import material_rows, surface_uniforms
+from scenes.schema import Case, Material, Object
+
+INTERREFLECTION = frozenset({"INTERREFLECTION"})
+
+
+@dataclass(frozen=True, eq=False)
+class Shading:
+    """A technique and the materials that it shades.
+
+    Attributes:
+        lit: whether lights are shaded apart from the environment.
+    """
+
+    technique: Technique
+    case: Case
+    lit: bool = False
+
+    @cached_property
+    def lost(self) -> list[LostLight | None]:
+        """Of each object what its specular lobe does not send back, where the model asks."""
+        model = self.case.model
+        return [
+            lost_light(o.material, model) if features(o.material, model) & LOST_LIGHT else None
+            for o in self.case.objects
+        ]
+
+    @property
+    def seconds(self) -> float:
+        """What the tables of the materials took to make."""
+        own = {lost for lost in self.lost if lost}
+        if self.technique.own_table(self.case.model):
+            own |= {smith_table(o.material) for o in self.case.objects}
+        return sum(table.seconds for table in own)
+
+    @property
+    def any_material(self) -> frozenset[str]:
+        """The features that any of the materials needs, for what reflects others."""
+        each = (self._features(o.material) for o in self.case.objects)
+        return INTERREFLECTION.union(*each)
+
+    def program(self, material: Material, sides: frozenset[str]) -> moderngl.Program:
+        """The program surface_shade.frag for a material; `sides` are features of the target."""
+        how = self.technique
+        defines = self._features(material) | frozenset(how.forced) | sides
+        if how.interreflection:
+            defines |= self.any_material if how.traces(material) else INTERREFLECTION
+        incoming = how.incoming(material)
+        return program("fullscreen.vert", "surface_shade.frag", defines, how.shade, incoming)
+
+    def uniforms(self, obj: Object) -> dict[str, Any]:
+        """What the program is told of an object's surface."""
+        how, material, model = self.technique, obj.material, self.case.model
+        index = self.case.index(obj.name) - 1
+        own = {"drawn_row": (index + 0.5) / len(self.case.objects)}
+        if lost := self.lost[index]:
+            own["multiscatter"] = lost.multiscatter
+        return (
+            own
+            | surface_uniforms(material, model)
+            | {
+                "light_sharers": how.supersample**2 if how.filtered else 1e9,
+                "set_samples": split_samples(material, how.per_set(material), model),
+                "pixel_samples": split_samples(material, how.per_set(material) * how.sets, model),
+                "prefilter_levels": float(LEVELS),
+                "lobe_layers": float(LAYERS),
+                "coverage_samples": how.msaa,
+            }
+        )
+
+    def maps(self, material: Material, maps: Maps) -> Maps:
+        """The maps that shading a material reads, out of all that there are."""
+        how = self.technique
+        if how.own_table(self.case.model):
+            maps = maps | {"table_smith": smith_table(material).texture}
+        return maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}
+
+    @cached_property
+    def material_maps(self) -> Maps:
+        """`materials`, a row an object, for what reflects any of them, and their `lost_light`."""
+        made, count = {}, len(self.case.objects)
+        if self.technique.interreflection:
+            back = [lost.multiscatter if lost else (0.0,) * 3 for lost in self.lost]
+            told = [o.material for o in self.case.objects]
+            pairs = zip(told, back, strict=True)
+            rows = np.stack([material_rows(m, self.case.model, b) for m, b in pairs])
+            size = (rows.shape[1], count)
+            made["materials"] = context().texture(size, 4, rows.tobytes(), dtype="f4")
+        if any(self.lost):
+            rows = [lost.texture.read() if lost else None for lost in self.lost]
+            size = next(lost.texture.size for lost in self.lost if lost)
+            nothing = bytes(len(next(r for r in rows if r)))
+            data = b"".join(r or nothing for r in rows)
+            made["lost_light"] = context().texture((size[0], count), 4, data, dtype="f4")
+            made["lost_light"].filter = (moderngl.LINEAR, moderngl.LINEAR)
+            made["lost_light"].repeat_x = made["lost_light"].repeat_y = False
+        return made
+
+    def _features(self, material: Material) -> frozenset[str]:
+        defines = features(material, self.case.model, self.technique.diffuse)
+        return defines | {"LIGHTS"} if self.lit else defines

@@ -1,0 +1,249 @@
+"""What surfaces do to one another's light: baked, traced, exchanged."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from renderer.draw import Renderer
+from renderer.features import technique
+from renderer.probe import probe
+from renderer.transport import stored
+from renderer.transport.bvh import LEAF, build
+from renderer.transport.directions import cell_directions, cell_shares, cells_around
+from renderer.transport.rays import Rays
+from renderer.transport.scene import _loaded, _tree, scene_geometry
+from renderer.transport.tessellation import Tessellation, tessellate
+from renderer.transport.visibility import FLUX, NOBODY, PER_SEEN, SEEN, SIDE, VERTEX, bake
+from scenes.schema import Camera, Material
+
+WHITE = Material(albedo=(1.0, 1.0, 1.0), f0=0.0, roughness=0.5, metallic=0.0)
+GREY = Material(albedo=(0.5, 0.5, 0.5), f0=0.0, roughness=0.5, metallic=0.0)
+ABOVE = Camera(origin=(0, -4, 4), target=(0, 0, 0), fov=40)
+
+
+@pytest.fixture(autouse=True)
+def _own_bakes(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+@pytest.fixture
+def ball_and_plate(light, make_case):
+    """A ball over a plate, which it touches nowhere."""
+    parts = [("sphere", GREY, {"scale": 0.5, "position": (0, 0, 1.0)})]
+    parts += [("plane", WHITE, {"scale": 4.0})]
+    return make_case(light(1.0), *parts, camera=ABOVE)
+
+
+@pytest.fixture
+def bowl(tmp_path):
+    """A thick bowl that opens upwards, as a file."""
+    outside, inside = np.linspace(0, 1.5, 30), np.linspace(1.4, 0, 30)
+    profile = np.concatenate(
+        [
+            np.stack([np.sin(outside), -np.cos(outside)], axis=1),
+            0.8 * np.stack([np.sin(inside), -np.cos(inside)], axis=1),
+        ]
+    )
+    path = tmp_path / "bowl.ply"
+    trimesh.creation.revolve(profile, sections=64).export(path)
+    return str(path)
+
+
+def test_cells_are_the_same_in_glsl():
+    directions = cell_directions(SIDE, SEEN)
+    cells = np.arange(SIDE * SIDE)
+    files = ("octahedral.glsl",)
+    found = probe("vec4(octahedral_cell(d.xyz))", {"d": directions}, files)[:, 0]
+    np.testing.assert_array_equal(found, cells)
+    middles = probe("vec4(octahedral_direction(int(i.x)), 0.0)", {"i": cells}, files)[:, :3]
+    np.testing.assert_allclose(middles, directions, atol=1e-6)
+    coarse = probe("vec4(coarse_direction(int(i.x)), 0.0)", {"i": np.arange(SEEN**2)}, files)
+    means = directions.reshape(SEEN**2, PER_SEEN, 3).mean(axis=1)
+    means /= np.linalg.norm(means, axis=1, keepdims=True)
+    assert (means * coarse[:, :3]).sum(axis=1).min() > np.cos(0.1)
+
+
+def test_cells_cover_the_sphere_by_their_shares():
+    weights, d = cell_shares(SIDE, SEEN), cell_directions(SIDE, SEEN)
+    np.testing.assert_allclose(weights @ d, 0, atol=1e-6)
+    np.testing.assert_allclose(weights @ d**2, 1 / 3, atol=2e-3)
+
+
+def test_the_cells_around_a_cell_hold_its_neighbours_on_all_sides():
+    d, near = cell_directions(SIDE, SEEN), cells_around(SIDE, SEEN)
+    for cell in range(0, SIDE * SIDE, 7):
+        aside = d[near[cell]] - d[cell]
+        outer = np.linalg.norm(aside, axis=1) > 1e-6
+        tangent = np.linalg.svd(d[cell][None])[2][1:]
+        angles = np.sort(np.arctan2(*(aside[outer] @ tangent.T).T))
+        assert np.diff(np.append(angles, angles[0] + 2 * np.pi)).max() < np.radians(100)
+
+
+def test_long_edges_are_halved_near_others_and_nothing_cracks(ball_and_plate):
+    ball, plate = tessellate(ball_and_plate)
+    for made, area in ((ball, np.pi), (plate, 16)):
+        mesh = trimesh.Trimesh(made.vertices, made.faces, process=False)
+        assert mesh.area == pytest.approx(area, rel=1e-3)
+    mesh = trimesh.Trimesh(plate.vertices, plate.faces, process=False)
+    # A crack would be an edge of one triangle inside of the plate.
+    single = mesh.edges[trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1)]
+    rim = np.abs(plate.vertices[single]).max(axis=2)
+    np.testing.assert_allclose(rim, 2, atol=1e-12)
+    lengths, middles = mesh.edges_unique_length, mesh.vertices[mesh.edges_unique].mean(axis=1)
+    under = np.linalg.norm(middles[:, :2], axis=1) < 0.2
+    far = np.linalg.norm(middles[:, :2], axis=1) > 1.8
+    assert lengths[under].max() < 0.75 * lengths[far].max()
+    np.testing.assert_array_equal(plate.normals, np.tile([0, 0, 1], (len(plate.normals), 1)))
+
+
+def test_surfaces_that_coincide_are_not_halved_without_end(light, make_case, monkeypatch):
+    monkeypatch.setattr("renderer.transport.tessellation.MOST_VERTICES", 5000)
+    for made in tessellate(make_case(light(1.0), *[("plane", GREY, {})] * 2)):
+        assert 100 < len(made.vertices) <= 5000
+
+
+def test_the_plate_sees_as_much_of_the_ball_as_a_cone_holds(ball_and_plate):
+    objects = tessellate(ball_and_plate)
+    found = bake(objects)
+    first = len(objects[0].vertices)
+    nearest = first + np.argmin(np.linalg.norm(objects[1].vertices, axis=1))
+    free = np.unpackbits(found.open[nearest].view(np.uint8), bitorder="little") > 0
+    d = cell_directions(SIDE, SEEN)
+    beside = d[:, 2] < np.sqrt(1 - 0.5**2)  # the ball's rim, seen from below, at 30 degrees
+    upper = d[:, 2] > 0
+    np.testing.assert_array_equal(free[upper], beside[upper])
+    assert not free[~upper].any()
+    # Form factor of a ball over a plate: (radius / distance)².
+    through = found.flux[nearest].sum(axis=0) * FLUX
+    np.testing.assert_allclose(through, [1 - 0.25, 0.25], atol=0.03)  # the rim cuts cells
+    clear = np.unpackbits(found.clear[nearest].view(np.uint8), bitorder="little") > 0
+    assert 0 < clear.sum() < free.sum() and not (clear & ~free).any()
+
+
+def test_witnesses_stand_where_they_are_seen(ball_and_plate):
+    objects = tessellate(ball_and_plate)
+    found = bake(objects)
+    vertices = np.concatenate([t.vertices for t in objects])
+    observer, _ = np.nonzero(found.seeing)
+    some = np.arange(0, len(observer), 97)
+    entry = found.sights[some]
+    there = entry != NOBODY
+    apart = vertices[np.where(there, entry & VERTEX, 0)] - vertices[observer[some], None]
+    cells = np.where(there, entry >> 22, 0)
+    cosine = (apart * cell_directions(SIDE, SEEN)[cells]).sum(axis=2)
+    cosine /= np.linalg.norm(apart, axis=2)
+    assert np.median(cosine[there]) > np.cos(0.05) and cosine[there].min() > np.cos(0.7)
+
+
+def soup(count):
+    rng = np.random.default_rng(7)
+    return rng.uniform(-1, 1, (count, 1, 3)) + rng.normal(0, 0.05, (count, 3, 3))
+
+
+@pytest.mark.parametrize("count", [1, 5, 700])
+def test_rays_hit_in_the_shader_what_they_hit_in_embree(count):
+    """Embree is asked through the same wrapper that bakes; the tree is that of the shader."""
+    triangles = soup(count).astype(np.float32)
+    rng = np.random.default_rng(1)
+    origins = rng.uniform(-2, 2, (4000, 3)).astype(np.float32)
+    directions = triangles[rng.integers(count, size=4000)].mean(axis=1) - origins
+    directions[::5, 0] = 0  # along the axes' planes, where 1 / direction is infinite
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    directions = directions.astype(np.float32)
+    mesh = Tessellation(
+        triangles.reshape(-1, 3).astype(float),
+        np.zeros((3 * count, 3), np.float32),
+        np.arange(3 * count).reshape(-1, 3),
+    )
+    hits = Rays([mesh], np.zeros(3)).first(origins, directions)
+    expression = "vec4(trace(o.xyz, d.xyz).triangle, trace(o.xyz, d.xyz).weights.yz, 0.0)"
+    found = probe(
+        expression, {"o": origins, "d": directions}, ("trace.glsl",), maps=_tree(triangles)
+    )
+    same = found[:, 0] == hits.triangle
+    assert same.mean() > 0.999  # an edge may go to either side
+    hit = same & (hits.triangle >= 0)
+    assert hit.any()
+    # Triangles seen edge on say little of where they are hit.
+    assert np.percentile(np.abs(found[hit, 1] - hits.u[hit]), 99) < 1e-3
+
+
+def test_every_triangle_stands_in_one_leaf():
+    tree = build(soup(700).astype(np.float32))
+    held = tree.order[tree.order >= 0]
+    assert sorted(held) == list(range(700))
+    assert len(tree.nodes) == 2 * len(tree.order) // LEAF - 1
+
+
+def test_a_white_bowl_in_a_furnace_vanishes(light, make_case, bowl):
+    """Light that the bowl keeps from itself it gives back to itself."""
+    case = make_case(light(1.0), (bowl, WHITE, {}), camera=ABOVE, size=(96, 72))
+    shown = {n: Renderer(technique(n), repeats=0).render(case) for n in ("shadowed", "best")}
+    inside = shown["best"].ids > 0
+    assert shown["shadowed"].rgb[inside].min() < 0.6
+    # Seen flat on, Schlick's rim is over 1; deep inside some light is still under way.
+    assert np.median(shown["best"].rgb[inside]) == pytest.approx(1, abs=0.03)
+    assert np.percentile(shown["best"].rgb[inside], 1) > 0.8
+
+
+def test_what_nothing_stands_around_is_drawn_as_without_occlusion(light, make_case, copper):
+    """A lone ball is convex: below its vertices' horizons alone is anything blocked."""
+    sky = np.random.default_rng(0).uniform(0.5, 1.5, (16, 32, 3))
+    case = make_case(light(sky), ("sphere", copper(0.3, 0.5), {}))
+    bare, best = (Renderer(technique(n), repeats=0).render(case).rgb for n in ("filtered", "best"))
+    # At the rim a part of the lobe lies between the pixel's horizon and the vertices'.
+    assert np.sqrt(((best / bare - 1) ** 2).mean()) < 0.01
+
+
+@pytest.mark.parametrize("name", ["shadowed", "best"])
+def test_parts_show_what_the_whole_shows(ball_and_plate, name):
+    renderer = Renderer(technique(name), repeats=0)
+    whole = renderer.render(ball_and_plate)
+    part = renderer.render(ball_and_plate, (20, 10, 30, 30))
+    rows = slice(48 - 40, 48 - 10)
+    np.testing.assert_array_equal(part.ids, whole.ids[rows, 20:50])
+    off = part.rgb / whole.rgb[rows, 20:50] - 1
+    assert np.sqrt((off**2).mean()) < 1e-4
+
+
+def test_a_scene_is_baked_once_and_again_where_its_file_is_damaged(ball_and_plate, monkeypatch):
+    made = []
+    monkeypatch.setattr("renderer.transport.scene.bake", lambda o: made.append(1) or bake(o))
+
+    def fresh():
+        _loaded.cache_clear()
+        return scene_geometry(ball_and_plate)
+
+    first, again = fresh(), fresh()
+    assert len(made) == 1 and first.sights == again.sights
+    (path,) = stored.folder().iterdir()
+    path.write_bytes(path.read_bytes()[:1000])
+    assert fresh().sights == first.sights and len(made) == 2
+
+
+def test_old_bakes_make_room(ball_and_plate, monkeypatch):
+    scene_geometry(ball_and_plate)
+    (old,) = stored.folder().iterdir()
+    monkeypatch.setattr(stored, "MOST_BYTES", old.stat().st_size + 1000)
+    moved = ball_and_plate.objects[0].model_copy(update={"position": (0.0, 0.0, 1.1)})
+    scene_geometry(ball_and_plate.model_copy(update={"objects": (moved,)}))
+    (new,) = stored.folder().iterdir()
+    assert new != old
+
+
+def test_a_bake_is_known_by_geometry_alone(ball_and_plate, copper):
+    ball, plate = ball_and_plate.objects
+    other = ball.model_copy(update={"material": copper(0.1), "name": "x", "judged": False})
+    moved = ball.model_copy(update={"position": (0.0, 0.0, 1.1)})
+
+    def key(*objects):
+        return stored.key(ball_and_plate.model_copy(update={"objects": objects}))
+
+    assert key(ball, plate) == key(other, plate) != key(moved, plate)
+
+
+def test_more_vertices_than_can_be_baked_are_refused_in_one_line(
+    ball_and_plate, refused, monkeypatch
+):
+    monkeypatch.setattr("renderer.transport.visibility.MOST_VERTICES", 1000)
+    refused(lambda: bake(tessellate(ball_and_plate)), "1,000", "without occlusion")
