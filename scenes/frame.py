@@ -60,12 +60,12 @@ def save_frame(frame: Frame, path: Path) -> None:
         names += [f"{name}.{c}" for c in "RGB"]
     pixels = np.ascontiguousarray(np.concatenate(channels, axis=2))
     with written_aside(path) as aside:
-        _write_exr(aside, pixels, names)
+        write_exr(aside, pixels, names)
         record["sha256"] = sha256(aside)
     write_text(path.with_suffix(".json"), json.dumps(record, indent=1))
 
 
-def _write_exr(path: Path, pixels: np.ndarray, names: list[str]) -> None:
+def write_exr(path: Path, pixels: np.ndarray, names: list[str]) -> None:
     """Write pixels (H, W, C) float32.
 
     Raises:

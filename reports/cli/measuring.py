@@ -21,7 +21,7 @@ class Extra(StrEnum):
 
 
 @app.command()
-@takes_job("suite", "out", "store", "filter", suite="bench")
+@takes_job("suite", "draw", "count", "out", "store", "filter", suite="bench")
 def bench(
     job,
     frames: Annotated[

@@ -10,6 +10,9 @@ from typing import Annotated, Any
 
 import typer
 
+MOST_SEED = 2**53 - 1  # which JSON and a spreadsheet keep whole
+MOST_CASES = 200  # more would be a slip: each takes minutes
+
 SuiteOption = Annotated[
     str, typer.Option("--suite", help="A suite's name, or the path of its .toml.")
 ]
@@ -33,6 +36,19 @@ ClusterOption = Annotated[
     str | None,
     typer.Option(help="Path-trace on the workers of this Dask scheduler, tcp://host:port."),
 ]
+DrawOption = Annotated[
+    int | None,
+    typer.Option(
+        "--draw",
+        min=0,
+        max=MOST_SEED,
+        metavar="SEED",
+        help="Cases drawn at random from this seed, instead of the suite's own.",
+    ),
+]
+CountOption = Annotated[
+    int | None, typer.Option(min=1, max=MOST_CASES, help="How many to --draw; 8 if not given.")
+]
 VerdictOption = Annotated[
     bool,
     typer.Option("--verdict-only", help="No report, no times, and no figures but those judged."),
@@ -41,11 +57,14 @@ JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the results as JSON, nothing else.")
 ]
 OUT, STORE = Path("reports/out"), Path("reports/references")
-EVERY = ("suite", "out", "store", "filter", "candidate", "timeout", "frozen", "cluster")
+EVERY = ("suite", "draw", "count", "out", "store", "filter", "candidate", "timeout")
+EVERY += ("frozen", "cluster")
 
 
 def make_job(
     suite: SuiteOption = "default",
+    draw: DrawOption = None,
+    count: CountOption = None,
     out: OutOption = OUT,
     store: StoreOption = STORE,
     filter: FilterOption = "",
@@ -63,10 +82,26 @@ def make_job(
     """
     from reports.candidates import outside_candidate
     from reports.run.job import Job
+    from scenes.errors import InputError
 
+    if count and draw is None:
+        raise InputError("--count", str(count), "counts drawn cases", "add --draw SEED")
     outside = outside_candidate(candidate, timeout) if candidate else None
+    if draw is not None:
+        suite = _drawn(suite, draw, count, out)
     command = shlex.join(["shadeproof", *sys.argv[1:]])
     return Job(suite, out, store, filter, outside, command, frozen, cluster, brief, verdict_only)
+
+
+def _drawn(suite: str, seed: int, count: int | None, out: Path) -> str:
+    """Draw cases that are asked what a suite asks; the path of their own."""
+    from reports.run.job import make_folder
+    from scenes.draw.suite import COUNT, draw_suite
+    from scenes.suite import load_suite
+
+    base, path = load_suite(suite)
+    make_folder(out, "--out")
+    return str(draw_suite(base, path.stem, seed, count or COUNT, out / "drawn" / str(seed)))
 
 
 def takes_job(*names: str, **values: Any) -> Callable[[Callable], Callable]:
