@@ -8,7 +8,7 @@ from junitparser import Error, Failure, JUnitXml, Skipped, TestCase, TestSuite
 
 from reports.gate import headline, worst_first
 from reports.results import Results, Row
-from reports.terminal import describe, skips
+from reports.terminal import BESIDE, beside_cells, describe, skips
 from scenes.frame import write_text
 
 COLUMNS = (
@@ -61,6 +61,10 @@ def markdown(results: Results) -> str:
     lines += [_line(row) for row in shown]
     counts = f"The worst {len(shown)} of {len(results.rows)} rows; {results.expected_rows} in all."
     lines += ["", f"{counts} Again: `{results.command}`", ""]
+    if results.beside:
+        lines += [f"How far off, beside {results.beside.suite}:", "", f"| {' | '.join(BESIDE)} |"]
+        lines += [f"|{' --- |' * len(BESIDE)}"]
+        lines += [f"| {' | '.join(beside_cells(r))} |" for r in results.beside.ratios] + [""]
     return "\n".join(lines)
 
 

@@ -162,6 +162,34 @@ class Missing(Record):
     truth: str
 
 
+class Ratio(Record):
+    """The errors of a technique against a truth, over the rows of this run and of another.
+
+    `figure` is one of `energy_error` (without its sign), `energy_local` and `1 - ssim`; a ratio is
+    this run's over the other's, null where the other's is hidden by noise.
+    """
+
+    technique: str
+    truth: str
+    figure: str
+    rows: int
+    other_rows: int
+    median: Figure
+    other_median: Figure
+    median_ratio: Figure
+    worst: Figure
+    other_worst: Figure
+    worst_ratio: Figure
+
+
+class Beside(Record):
+    """Another run, by its suite and file, and how far off this one is beside it."""
+
+    suite: str
+    path: str
+    ratios: list[Ratio]
+
+
 class CaseRecord(Record):
     """Where the pictures of a case lie, relative to results.json.
 
@@ -198,6 +226,7 @@ class Results(Record):
     budgets: list[Budget]
     rows: list[Row]
     ladders: list[Ladder] = Field(default_factory=list)
+    beside: Beside | None = None
     verdict: Literal["pass", "fail"]
     reasons: list[str]
 

@@ -9,9 +9,11 @@ from rich.text import Text
 
 from reports.furnace import MASKINGS, Departure, EnergyClaim, Quantity
 from reports.gate import headline, worst_first
-from reports.results import Ladder, Results, Row
+from reports.results import Beside, Ladder, Ratio, Results, Row
 from reports.telling import crossed, notes_of
+from scenes.draw.suite import WIDER
 
+BESIDE = ("technique", "figure", "median row", "worst row", "rows")
 STYLE = {"pass": "green", "fail": "red", "inconclusive": "yellow", "reported": "dim"}
 
 
@@ -50,6 +52,37 @@ def print_results(results: Results, console: Console) -> None:
         "Each cell: local energy error, energy error, SSIM. Weight: share of GGX.", style="dim"
     )
     print_verdict(results, console)
+    if results.beside:
+        print_beside(results.beside, console)
+
+
+def print_beside(found: Beside, console: Console) -> None:
+    """Errors as multiples of another run's: medians and worst rows of each technique and truth."""
+    table = Table(box=box.SIMPLE_HEAD, title=f"How far off, beside {found.suite}")
+    for heading in BESIDE[:2]:
+        table.add_column(heading)
+    for heading in BESIDE[2:]:
+        table.add_column(heading, justify="right")
+    for ratio in found.ratios:
+        over = any(times > WIDER for times in (ratio.median_ratio, ratio.worst_ratio))
+        table.add_row(*beside_cells(ratio), style="red" if over else "")
+    console.print(table)
+
+
+def beside_cells(ratio: Ratio) -> tuple[str, ...]:
+    """The cells of one ratio under the headings of BESIDE."""
+
+    def cell(ours: float, theirs: float, times: float) -> str:
+        shown = f"{times:.2f} x" if math.isfinite(times) else "hidden by noise"
+        return f"{shown} ({ours:.2%} of {theirs:.2%})"
+
+    return (
+        f"{ratio.technique} against {ratio.truth}",
+        ratio.figure,
+        cell(ratio.median, ratio.other_median, ratio.median_ratio),
+        cell(ratio.worst, ratio.other_worst, ratio.worst_ratio),
+        f"{ratio.rows} of {ratio.other_rows}",
+    )
 
 
 def _lines(rows: list[Row]) -> dict[str, list[Row]]:

@@ -19,6 +19,10 @@ def compare(
     list_cases: Annotated[
         bool, typer.Option("--list", help="Print the names of the cases.")
     ] = False,
+    beside: Annotated[
+        Path | None,
+        typer.Option(help="Another run's results.json: tell how far off this one is beside it."),
+    ] = None,
     json: JsonOption = False,
 ) -> None:
     """Draw a suite with both renderers and report how far apart they are."""
@@ -28,7 +32,7 @@ def compare(
         for line in [e.case.id for e in job.entries] if list_cases else plan(job):
             typer.echo(line)
         return
-    _compare(job, json)
+    _compare(job, json, beside)
 
 
 @app.command()
@@ -54,14 +58,19 @@ def report(out: OutOption = OUT) -> None:
     console.print(f"report: {_page(load_results(out / 'results.json'), out)}", soft_wrap=True)
 
 
-def _compare(job, json: bool):
+def _compare(job, json: bool, other: Path | None = None):
     """Run a job, write everything that it gives, and say the verdict."""
+    from reports.beside import beside, load_other
     from reports.ci import annotate, write_junit
     from reports.results import save_results
     from reports.run.suite import run
     from reports.terminal import print_results
 
+    # Read first: it may be what this run writes over.
+    shipped = load_other(other, job.expected(job.entries)) if other else None
     results = run(job)
+    if shipped:
+        results = beside(results, shipped, other)
     page = None if job.verdict_only else _page(results, job.out)
     write_junit(results, job.out / "junit.xml")
     annotate(results, job.out / "summary.md")

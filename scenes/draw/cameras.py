@@ -44,7 +44,8 @@ def draw_camera(rng: Rng, bodies: list[Body], planes: list[Plane]) -> Shot:
         azimuth = np.radians(within(rng, -180, 180))
         if wall:
             azimuth = azimuth / 3 + np.arctan2(*wall.axes[2][:2])
-        up = np.radians(within(rng, 4 if "floor" in standing else -25, 55))
+        lowest = 4 if "floor" in standing else -25
+        up = np.radians(lowest + (50 - lowest) * rng.random() ** 2)  # mostly from low down
         towards = direction(azimuth, up)
         away = _distance(points - middle, towards, np.tan(np.radians(fov) / 2) * fill, size)
         origin = np.round(middle + max(away, 1.15 * radius) * towards, 4)

@@ -39,10 +39,10 @@ def draw_material(rng: Rng, measured: bool) -> tuple[str, dict[str, Any]]:
 
 
 def draw_paint(rng: Rng) -> tuple[str, dict[str, Any]]:
-    """A floor or a wall: painted, mostly rough, or polished."""
+    """A floor or a wall: painted, mostly rough and grey, or polished, or of a strong colour."""
     roughness = within(rng, 0.3, 1) if rng.random() < 0.8 else within(rng, 0.1, 0.3)
     fields = {"source": SOURCE, "roughness": roughness, "metallic": 0.0}
-    return "paint", fields | _dielectric(rng, 0.6) | _weights(rng)
+    return "paint", fields | _dielectric(rng, one_of(rng, 0.2, 0.2, 0.9)) | _weights(rng)
 
 
 def _dielectric(rng: Rng, saturation: float) -> dict[str, Any]:
