@@ -86,11 +86,12 @@ def rounded_box(rng: Rng, triangles: int) -> trimesh.Trimesh:
     """A box with round edges, sharp to soft."""
     size = np.array([within(rng, 0.4, 1) for _ in range(3)])
     radius = within(rng, 0.1, 0.9) * size.min()
-    n = max(round((triangles / 75) ** 0.5), 2)
+    segments = max(round((triangles / 12) ** 0.5), 5)
+    n = round(0.4 * segments)  # in each round edge; the rest in the flat between them
     arc = np.tan(np.linspace(0, np.pi / 4, n + 1)) * radius
     sides = []
     for half in size:
-        flat = np.linspace(radius - half, half - radius, max(n // 2, 2))[1:-1]
+        flat = np.linspace(radius - half, half - radius, segments - 2 * n + 1)[1:-1]
         sides.append(np.concatenate([-(half - radius + arc)[::-1], flat, half - radius + arc]))
     mesh = box(*sides)
     core = np.clip(mesh.vertices, radius - size, size - radius)
@@ -109,8 +110,9 @@ def dented(rng: Rng, triangles: int) -> trimesh.Trimesh:
 
 
 def gear(rng: Rng, triangles: int) -> trimesh.Trimesh:
-    """A toothed wheel with a bore: flat faces, sharp edges, narrow gaps."""
-    teeth = int(rng.integers(7, 25))
+    """A toothed wheel with a bore: flat faces, sharp edges, narrow gaps. It has 40 triangles a
+    tooth at least."""
+    teeth = int(rng.integers(7, 23))
     bore, depth, thick = within(rng, 0.2, 0.6), within(rng, 0.08, 0.25), within(rng, 0.1, 0.8)
     # Foot, flank, tip, flank of each tooth, as shares of a tooth and of its depth.
     places, radii = np.array([0, 0.3, 0.42, 0.78, 0.9]), np.array([1, 1, 0, 0, 1]) * -depth + 1
