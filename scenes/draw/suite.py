@@ -54,23 +54,27 @@ def draw_suite(
 
 
 def budgets(base: Suite) -> tuple[Budget, ...]:
-    """The base's budgets that hold everywhere, WIDER times as wide; the others name its own cases.
+    """The base's budgets that hold everywhere, WIDER times as wide: others name its own cases."""
+    asked = (*base.techniques, "candidate")  # not what single runs of the base ask beyond that
+    return tuple(
+        Budget(technique=rule.technique, truth=rule.truth, **_wider(rule))
+        for rule in base.budget
+        if not rule.selectors and rule.technique in asked and rule.truth in base.truths
+    )
 
-    What SSIM and the silhouette may lack of 1 is widened.
-    """
-    wide = []
-    for rule in base.budget:
-        limits: dict[str, Any] = {
-            m: round(min(WIDER * v, 0.999) if m == "energy_error" else WIDER * v, 6)
-            for m in ("energy_error", "energy_local")
-            if (v := getattr(rule, m)) is not None
-        }
-        for metric in ("ssim", "silhouette"):
-            if (v := getattr(rule, metric)) is not None:
-                limits[metric] = max(round(1 - WIDER * (1 - v), 6), 0.0)
-        if not rule.selectors:
-            wide.append(Budget(technique=rule.technique, truth=rule.truth, **limits))
-    return tuple(wide)
+
+def _wider(rule: Budget) -> dict[str, float]:
+    """A rule's limits, each leaving WIDER times as much room for error."""
+    limits = {}
+    for metric in ("energy_error", "energy_local"):
+        if (limit := getattr(rule, metric)) is not None:
+            limits[metric] = round(WIDER * limit, 6)
+    if "energy_error" in limits:  # a black picture has 1
+        limits["energy_error"] = min(limits["energy_error"], 0.999)
+    for metric in ("ssim", "silhouette"):
+        if (limit := getattr(rule, metric)) is not None:
+            limits[metric] = max(round(1 - WIDER * (1 - limit), 6), 0.0)
+    return limits
 
 
 def _case(
