@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from renderer import precompute
 from renderer.features import technique
 from reports import gate, parity
 from reports.conformance.kernels import cumulated, lambert, reflected
@@ -14,6 +15,7 @@ from reports.conformance.split_sum import scale_bias, smith
 from reports.conformance.textures import bilinear
 from reports.run.conformance import conformance
 from reports.run.conformance.geometry import of_edges
+from reports.run.conformance.shading import of_split_sum
 from reports.run.conformance.shared import ALLOWED
 from reports.stability import oracle
 from scenes.suite import expand, load_suite
@@ -76,6 +78,13 @@ def test_the_renderer_conforms_on_the_suite_guard():
     found = conformance(expand(*load_suite("guard")))
     assert {f.name for f in found} == set(ALLOWED)
     assert all(f.passed for f in found), found
+
+
+def test_maps_of_an_environment_that_is_no_longer_kept_are_made_again():
+    case = expand(*load_suite("guard"))[0].case
+    precompute._cached.cache_clear()  # as more environments than it holds would do
+    obj = case.judged[0]
+    assert of_split_sum(case.environment, obj.material, case.model, technique("paper")).passed
 
 
 def test_nan_is_no_conformance():

@@ -66,7 +66,9 @@ def conformance(entries: Iterable[Entry]) -> list[Conformance]:
     if split:
         found.append(of_beckmann_over_ggx({m.alpha for _, m, _ in split}))
     tables = {n for names in read.values() for n in names if n.startswith("table")}
-    found += [of_table(precomputed(next(iter(read)).path), name) for name in sorted(tables)]
+    for name in sorted(tables):
+        (made := precomputed(next(iter(read)).path)).need([name])
+        found.append(of_table(made, name))
     found += [of_own_table(m) for m in {m for c, m, t in split if t.own_table(c.model)}]
     for case, material, how in _each_once(split):
         found.append(of_split_sum(case.environment, material, case.model, how))

@@ -34,8 +34,9 @@ def of_split_sum(
     environment: Environment, material: Material, model: Model, how: Technique
 ) -> Conformance:
     """What the shader makes of its maps and tables, beside the paper's formula on the same ones."""
-    made = precomputed(environment.path)
-    maps = {n: made.maps[n] for n in how.maps(material, model)} | {BASE: made.maps[BASE]}
+    made, names = precomputed(environment.path), how.maps(material, model)
+    made.need(names)  # those of a few environments alone are kept
+    maps = {n: made.maps[n] for n in (*names, BASE)}
     if how.own_table(model):
         maps["table_smith"] = brdf_table.smith_table(material).texture
     for unit, texture in enumerate(maps.values(), FIRST_UNIT):
