@@ -15,6 +15,7 @@ from scenes.draw.meshes import KINDS as MESHES
 from scenes.draw.meshes import draw_mesh
 from scenes.frame import write_exr, write_text, written_aside
 from scenes.mesh import load_mesh
+from scenes.schema import PHYSICAL
 from scenes.suite import Budget, Suite
 
 COUNT = 8  # cases, in which every kind of environment is met once
@@ -55,11 +56,13 @@ def draw_suite(
 
 def budgets(base: Suite) -> tuple[Budget, ...]:
     """The base's budgets that hold everywhere, WIDER times as wide: others name its own cases."""
-    asked = (*base.techniques, "candidate")  # not what single runs of the base ask beyond that
+    # Not what single runs of the base ask beyond that, by techniques or a model of their own.
+    asked = (*base.techniques, "candidate")
+    truths = [t for t in base.truths if base.model == PHYSICAL or not t.startswith("physical")]
     return tuple(
         Budget(technique=rule.technique, truth=rule.truth, **_wider(rule))
         for rule in base.budget
-        if not rule.selectors and rule.technique in asked and rule.truth in base.truths
+        if not rule.selectors and rule.technique in asked and rule.truth in truths
     )
 
 

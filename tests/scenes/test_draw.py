@@ -182,6 +182,7 @@ def test_budgets_are_half_as_wide_again_and_those_of_own_cases_are_left_out():
         Budget(technique="paper", truth="global", scene="contact", reason="r", energy_local=9.0),
         Budget(technique="sampled", truth="global", energy_error=0.9, silhouette=0.2),
         Budget(technique="sampled@8", truth="global", ssim=0.5),  # asked by a run of its own
+        Budget(technique="paper", truth="physical", ssim=0.5),  # of a run with that model
     )
     wide = budgets(BASE.model_copy(update={"budget": rules}))
     told = [r.model_dump(exclude_none=True, exclude={"technique", "truth", "reason"}) for r in wide]
