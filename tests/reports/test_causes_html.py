@@ -67,7 +67,7 @@ def written(folder, ladders, techniques=("paper", "sampled")):
     rows = [
         Row(case="spheres.dusk", scene="spheres", environment="dusk", object="left",
             material="copper", roughness=0.4, metallic=1, weight=1, weight_g=1, technique=t,
-            truth=truth, exposure=0.5, energy_local=0.1 + (t == "paper"))
+            picture=t, truth=truth, exposure=0.5, energy_local=0.1 + (t == "paper"))
         for t in techniques for truth in RUNGS
     ]  # fmt: skip
     case = CaseRecord(

@@ -8,7 +8,7 @@ import pytest
 
 from reports.compare import Truth, exposures_of
 from reports.results import Results, load_results
-from reports.rows import judged_rows
+from reports.rows import Picture, judged_rows
 from scenes.environment import read_pixels
 from scenes.frame import Frame, load_frame, save_frame
 from scenes.suite import HERE, expand, load_suite
@@ -342,7 +342,7 @@ def test_a_results_file_that_cannot_be_read_is_told_in_plain_words(shadeproof, t
         (tmp_path / "results.json").write_text(text)
         code, _, err = shadeproof("report", "--out", tmp_path)
         assert code == 2
-        assert f"is no results.json of schema 2 ({told}" in err
+        assert f"is no results.json of schema 3 ({told}" in err
 
 
 def test_compare_tells_the_causes_of_every_objects_error(tiny):
@@ -386,7 +386,8 @@ def test_no_budget_of_the_tiny_suite_lets_a_wrong_picture_pass(tiny, wrong):
     mean = np.mean([f.rgb for f in frames], axis=0)
     noise = np.random.default_rng(1).uniform(1e-5, 1e-4, mean.shape)
     rgb = {"black": noise, "bright": 1.9 * mean, "mirrored": mean[:, ::-1]}[wrong]
-    made = {t: Frame(rgb.astype(np.float32), frames[0].ids) for t in suite.techniques}
+    frame = Frame(rgb.astype(np.float32), frames[0].ids)
+    made = {t: Picture(t, frame, case.model) for t in suite.techniques}
     rows = judged_rows(case, truth, made, {}, suite.budget)
     failed = {(r.technique, r.object) for r in rows if r.verdict == "fail"}
     # A mirrored floor is much like the floor, and `sampled` is far off there as it is.

@@ -77,13 +77,15 @@ def row(truth, ssim):
     """A row with a SSIM and nothing else."""
     return Row(
         case="made", scene="made", environment="none", object="thing", material="m",
-        roughness=0.5, metallic=0, weight=1, weight_g=1, technique="paper", truth=truth,
-        ssim=ssim, ssim_se=0.001, ssim_dof=50,
+        roughness=0.5, metallic=0, weight=1, weight_g=1, technique="paper",
+        picture="paper", truth=truth, ssim=ssim, ssim_se=0.001, ssim_dof=50,
     )  # fmt: skip
 
 
-def climbed(drawn, truths):
-    return ladder(CASE, THING, "paper", drawn, truths, [])
+def climbed(drawn, truths, rows=()):
+    """The ladder of one picture for all truths, or of one for each."""
+    by_truth = dict.fromkeys(truths, drawn) if isinstance(drawn, Drawn) else drawn
+    return ladder(CASE, THING, "paper", by_truth, truths, rows)
 
 
 def named(found):
@@ -236,7 +238,7 @@ def test_the_model_is_split_in_its_fixed_order():
 
 def test_steps_of_ssim_start_from_a_perfect_picture():
     rows = [row(t, value) for t, value in zip(RUNGS, (0.95, 0.8, 0.85, 0.83), strict=True)]
-    found = ladder(CASE, THING, "paper", Drawn(TRUTHS["unoccluded"]), traced(), rows)
+    found = climbed(Drawn(TRUTHS["unoccluded"]), traced(), rows)
     steps = [c.ssim.value for c in found.causes]
     assert steps == pytest.approx([-0.05, -0.15, 0.05, -0.02])
     assert found.total.ssim.value == pytest.approx(-0.17)
@@ -278,7 +280,7 @@ def test_local_energy_is_the_rows_where_there_is_no_noise(dark):
         candidate[:BLOCK, :BLOCK, dark] = 4.0
     frames = {r: batches(light, seed=1, noise=0) for r, light in truths.items()}
     candidate = candidate.astype(np.float32)
-    total = ladder(CASE, THING, "paper", Drawn(candidate), frames, []).total.local.value
+    total = climbed(Drawn(candidate), frames).total.local.value
     truth = Truth(CASE, "physical", frames["physical"], {"thing": 1.0})
     figures = compare(CASE, THING, Frame(candidate, IDS), truth, [energy.figures])
     assert total == pytest.approx(figures["energy_local"], rel=1e-9)
