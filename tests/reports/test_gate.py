@@ -27,8 +27,12 @@ PASSING = {
     "energy_local_dof": 60,
     "reference_spp": 256,
 }
-AS_ASKED = lambda entry, technique, truth: entry.case.model  # noqa: E731
 RULES = [Budget(technique="paper", truth="global", energy_error=0.05, energy_local=0.1, ssim=0.9)]
+
+
+def as_asked(entry, technique, truth):
+    """The model of a technique that draws no other than the case's."""
+    return entry.case.model
 
 
 def row(**changes):
@@ -152,9 +156,9 @@ def test_the_family_counts_every_budgeted_figure_at_every_look():
     entries = expand(suite, path)
     judged = len(entries[0].case.judged)
     # Two techniques with energy_error, energy_local and ssim. 128 samples in batches of 16.
-    assert gate.family_size(suite.budget, entries, suite.reference, AS_ASKED) == 6 * judged
+    assert gate.family_size(suite.budget, entries, suite.reference, as_asked) == 6 * judged
     longer = suite.reference.model_copy(update={"max_samples": 512})
-    assert gate.family_size(suite.budget, entries, longer, AS_ASKED) == 18 * judged
+    assert gate.family_size(suite.budget, entries, longer, as_asked) == 18 * judged
 
 
 def test_the_interval_of_local_energy_is_the_root_of_its_squares():
