@@ -134,9 +134,9 @@ def _ladders(
     rows: list[Row],
 ) -> list[Ladder]:
     """Error by cause for every object and technique that has rows, where there are the truths."""
-    made = []
+    made, compared = [], {r.technique for r in rows if r.picture in frames}
     for label, shots in job.shots(entry, truths).items():
-        if not any(r.technique == label for r in rows):
+        if label not in compared:
             continue
         named = {shot.name: shot for shot in shots.values()}
         pictures = {name: _drawn(job, shot, frames) for name, shot in named.items()}
