@@ -35,7 +35,8 @@ class Kind:
 KINDS = {
     "candidate": Kind(
         "Candidate",
-        "What the real-time technique draws, with what the reference leaves out switched off.",
+        "What the real-time technique draws; if it has switches for what the reference leaves "
+        "out, with these off.",
     ),
     "truth": Kind("Reference", "What path tracing gives, at the same exposure."),
     "signed": Kind(

@@ -16,6 +16,7 @@ from reports.html.colour import SIGNED
 from reports.ladder import MODEL_STEPS, RUNGS
 from reports.results import CaseRecord, Figured, Results, Row
 from scenes.frame import Frame, load_frame, save_frame
+from tests.reports import browser
 from tests.reports.ladders import CAUSES, figure, made
 
 HEIGHT, WIDTH = 48, 96
@@ -270,3 +271,24 @@ def test_a_page_with_switches_says_so(folder, switched):
     told = "the picture held against each truth has on what that truth has"
     assert told in Page(switched).text("reading")
     assert told not in Page(written(folder, both())).text("reading")
+
+
+SHOWN = """
+const choose = (axis, value) => {
+  const input = document.querySelector(`.case input[data-axis=${axis}][value=${value}]`);
+  input.checked = true; input.dispatchEvent(new Event("change", {bubbles: true}));
+};
+for (const technique of ["paper", "best"]) for (const truth of ["direct", "global", "physical"]) {
+  choose("technique", technique); choose("truth", truth);
+  const images = [...document.querySelectorAll(".case figure.candidate img")];
+  out[`${technique} ${truth}`] = images.filter((i) => i.offsetParent).map((i) => i.alt).join();
+}
+"""
+
+
+def test_a_browser_shows_the_picture_that_was_measured(folder, switched):
+    seen = browser.seen(folder / "report.html", SHOWN)
+    named = {"best direct": "best.direct", "best global": "best", "best physical": "best"}
+    for pair, alt in seen.items():
+        assert alt == f"Candidate of spheres.dusk, {named.get(pair, 'paper')}", pair
+    assert len(seen) == 6
