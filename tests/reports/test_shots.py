@@ -4,6 +4,7 @@ import pytest
 import trimesh
 
 from renderer.features import Technique, technique
+from reports.candidates import Folder
 from reports.gate import judged_against
 from reports.ladder import MODEL_STEPS, RUNGS
 from reports.progress import reporting
@@ -110,6 +111,23 @@ def test_a_budget_against_physical_holds_where_that_model_is_drawn(tmp_path, phy
 def test_a_budget_against_another_model_is_refused(tmp_path, physical, label, truth):
     with pytest.raises(InputError, match=f"`{label}` draws another model than `{truth}`"):
         budgeted(tmp_path, label, truth)
+
+
+OWN_MODEL = """
+[[run]]
+scene = "contact"
+environments = ["sunset"]
+model = { fresnel = "exact", kd = "interface", masking = "smith" }
+"""
+
+
+def test_only_verdicts_that_are_given_must_hold_together(tmp_path):
+    """Of an outside candidate's two cases one has the physical model, and three objects."""
+    rule = '[[budget]]\ntechnique = "candidate"\ntruth = "physical"\nenergy_error = 0.5\n'
+    (tmp_path / "s.toml").write_text(f"{small_suite(TRUTHS)}{OWN_MODEL}{rule}")
+    outside = Folder(tmp_path)
+    job = Job(str(tmp_path / "s.toml"), tmp_path / "out", tmp_path / "store", outside=outside)
+    assert len(job.entries) == 2 and job.family == 3
 
 
 TOUCHING = """
