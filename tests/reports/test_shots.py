@@ -3,7 +3,7 @@
 import pytest
 import trimesh
 
-from renderer.features import Technique, technique
+from renderer.features import technique
 from reports.candidates import Folder
 from reports.gate import judged_against
 from reports.ladder import MODEL_STEPS, RUNGS
@@ -26,32 +26,22 @@ def case():
     return entry.case
 
 
-def _samples_draw_all(how, model):
-    return "" if how.samples or model == PAPER else "exact"
-
-
-@pytest.fixture
-def physical(monkeypatch):
-    """All techniques of samples draw every model."""
-    monkeypatch.setattr(Technique, "cannot_draw", _samples_draw_all)
-
-
 def names(label, case, truths=TRUTHS):
     return [shot.name for shot in shots(label, case, truths, repeats=0).values()]
 
 
-@pytest.mark.parametrize("label", ["paper", "paper-noaa", "sampled", "filtered@8"])
-def test_a_technique_without_switches_draws_one_picture(label, case):
-    made = shots(label, case, TRUTHS, repeats=3)
-    assert names(label, case) == [label] * 5
+@pytest.mark.parametrize("label", ["paper", "paper-noaa", "split", "sampled", "filtered@8"])
+def test_a_technique_without_switches_draws_one_picture_of_a_model(label, case):
+    made = shots(label, case, RUNGS[:3], repeats=3)
+    assert names(label, case, RUNGS[:3]) == [label] * 3
     for shot in made.values():
         assert shot.case is case
         assert (shot.candidate.technique, shot.candidate.repeats) == (technique(label), 3)
 
 
 def test_a_technique_with_switches_draws_what_each_truth_has(case):
-    assert names("best", case) == ["best.unoccluded", "best.direct", "best", "best", "best"]
-    assert names("shadowed", case) == ["shadowed.unoccluded", *["shadowed"] * 4]
+    assert names("best", case, RUNGS[:3]) == ["best.unoccluded", "best.direct", "best"]
+    assert names("shadowed", case, RUNGS[:3]) == ["shadowed.unoccluded", "shadowed", "shadowed"]
     made = shots("best@8", case, TRUTHS, repeats=0)
     on = [
         (s.candidate.technique.occlusion, s.candidate.technique.interreflection)
@@ -61,7 +51,7 @@ def test_a_technique_with_switches_draws_what_each_truth_has(case):
     assert {s.candidate.technique.samples for s in made.values()} == {8}
 
 
-def test_who_can_draw_the_physical_model_does_so_where_the_truth_has_it(case, physical):
+def test_who_can_draw_the_physical_model_does_so_where_the_truth_has_it(case):
     assert names("sampled", case) == [*["sampled"] * 3, *["sampled.physical"] * 2]
     assert names("best", case)[2:] == ["best", *["best.physical"] * 2]
     assert names("paper", case) == ["paper"] * 5
@@ -72,7 +62,7 @@ def test_who_can_draw_the_physical_model_does_so_where_the_truth_has_it(case, ph
     assert names("sampled", already) == ["sampled"] * 5
 
 
-def test_on_the_way_to_the_physical_model_each_step_is_drawn(case, physical):
+def test_on_the_way_to_the_physical_model_each_step_is_drawn(case):
     between = MODEL_STEPS[:-1]
     assert names("sampled", case, between) == ["sampled.Fresnel", "sampled.kd"]
     base = technique("sampled")
@@ -100,7 +90,7 @@ def budgeted(tmp_path, label, truth):
     return Job(str(tmp_path / "s.toml"), tmp_path / "out", tmp_path / "store")
 
 
-def test_a_budget_against_physical_holds_where_that_model_is_drawn(tmp_path, physical):
+def test_a_budget_against_physical_holds_where_that_model_is_drawn(tmp_path):
     assert budgeted(tmp_path, "sampled", "physical").family == 3  # objects, at one look
 
 
@@ -108,7 +98,7 @@ def test_a_budget_against_physical_holds_where_that_model_is_drawn(tmp_path, phy
     ("label", "truth"),
     [("paper", "physical"), ("candidate", "physical"), ("sampled", "physical-smith")],
 )
-def test_a_budget_against_another_model_is_refused(tmp_path, physical, label, truth):
+def test_a_budget_against_another_model_is_refused(tmp_path, label, truth):
     with pytest.raises(InputError, match=f"`{label}` draws another model than `{truth}`"):
         budgeted(tmp_path, label, truth)
 
