@@ -185,7 +185,7 @@ def unstable(pool: Pool) -> list[tuple[str, str, float, tuple[float, float], flo
 def _row(figures: dict) -> Row:
     names = dict.fromkeys(("case", "scene", "environment", "object", "material"), "")
     numbers = dict.fromkeys(("roughness", "metallic", "weight", "weight_g"), 0.0)
-    return Row(**names, **numbers, technique="t", truth="global", **figures)
+    return Row(**names, **numbers, technique="t", picture="t", truth="global", **figures)
 
 
 def print_tables(records: list[Record], pools: list[Pool], console: Console) -> None:

@@ -1,7 +1,7 @@
 """Verdicts: a row against its budget, and a run against its suite."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,8 @@ NOISY = {"energy_error": "energy", "energy_local": "energy_local", "ssim": "ssim
 FAMILY_ERROR = 1e-3  # chance that any verdict of a whole suite is wrong by the reference's noise
 SHARP = 1 / 3  # of its budget: a 95 % interval wider than that cannot judge
 FIRST_BATCHES = 8  # that a reference starts with; they double at every look
+
+Drawn = Callable[[Entry, str, str], Model]  # by a technique against a truth of an entry
 
 
 def budget_of(row: Row, rules: Sequence[Budget]) -> tuple[dict[str, float], list[str]]:
@@ -40,7 +42,7 @@ def _limits(
 
 
 def check_rules(
-    rules: Sequence[Budget], entries: Sequence[Entry], outside: str, path: Path
+    rules: Sequence[Budget], entries: Sequence[Entry], drawn: Drawn, outside: str, path: Path
 ) -> None:
     """Refuse a rule that no row of the suite can meet: a typo would else switch it off.
 
@@ -48,19 +50,20 @@ def check_rules(
         InputError: naming the rule.
     """
     rows = [
-        identity
+        (identity, judged)
         for entry in entries
-        for identity in _identities(entry, [*entry.techniques, outside])
+        for identity, judged in _identities(entry, [*entry.techniques, outside], drawn)
     ]
     for number, rule in enumerate(rules):
-        if not any(judged_against(rule.truth, e.case.model) for e in entries):
-            problem = f"nothing is judged against `{rule.truth}`, which draws another model"
+        wanted = rule.selectors | {"technique": rule.technique, "truth": rule.truth}
+        met = [judged for row, judged in rows if all(row[k] == v for k, v in wanted.items())]
+        if met and not any(met):
+            problem = f"`{rule.technique}` draws another model than `{rule.truth}`"
             remedy = "use `global` or `unoccluded`"
             if rule.truth == "physical":
                 remedy += ", or model = 'physical' in a run"
             raise InputError(path, f"budget.{number}.truth", problem, remedy)
-        wanted = rule.selectors | {"technique": rule.technique, "truth": rule.truth}
-        if not any(all(row[k] == v for k, v in wanted.items()) for row in rows):
+        if not met:
             shown = ", ".join(f"{k} = {v}" for k, v in wanted.items())
             raise InputError(
                 path, f"budget.{number}", f"matches no row ({shown})", "mend or remove it"
@@ -76,7 +79,11 @@ def judged_against(truth: str, model: Model) -> bool:
 
 
 def family_size(
-    rules: Sequence[Budget], entries: Sequence[Entry], sampling: Sampling, outside: str = ""
+    rules: Sequence[Budget],
+    entries: Sequence[Entry],
+    sampling: Sampling,
+    drawn: Drawn,
+    outside: str = "",
 ) -> int:
     """How many times a suite holds a noisy figure against its budget, at most.
 
@@ -85,26 +92,29 @@ def family_size(
 
     Args:
         entries: of the whole suite, so that a filter changes no verdict.
+        drawn: the model of the picture that a technique sets against a truth of an entry.
         outside: the technique of an outside candidate, which then stands for all others.
     """
     doublings = math.log2(sampling.max_samples / sampling.samples_per_batch / FIRST_BATCHES)
     figures = sum(
         metric in NOISY
         for entry in entries
-        for identity in _identities(entry, [outside] if outside else entry.techniques)
-        for metric in _limits(identity, rules)[0]
+        for identity, judged in _identities(
+            entry, [outside] if outside else entry.techniques, drawn
+        )
+        for metric in (_limits(identity, rules)[0] if judged else ())
     )
     return max(figures, 1) * (1 + math.ceil(doublings))
 
 
-def _identities(entry: Entry, techniques: Sequence[str]) -> Iterator[dict[str, Any]]:
-    """What rules select rows by, for every row that an entry gives."""
+def _identities(
+    entry: Entry, techniques: Sequence[str], drawn: Drawn
+) -> Iterator[tuple[dict[str, Any], bool]]:
+    """What rules select rows by, for every row that an entry gives, and whether it is judged."""
     for obj in entry.case.judged:
         for technique in techniques:
             for truth in entry.truths:
-                if not judged_against(truth, entry.case.model):
-                    continue
-                yield {
+                identity = {
                     "scene": entry.case.scene,
                     "environment": entry.case.environment.name,
                     "object": obj.name,
@@ -113,6 +123,7 @@ def _identities(entry: Entry, techniques: Sequence[str]) -> Iterator[dict[str, A
                     "technique": technique,
                     "truth": truth,
                 }
+                yield identity, judged_against(truth, drawn(entry, technique, truth))
 
 
 def bounds(row: Row, metric: str, confidence: float) -> tuple[float, float]:

@@ -1,9 +1,11 @@
 """Error by cause: how far each thing that a real-time renderer leaves out takes it from the truth.
 
 The truths T1 to T4 are a ladder: without visibility, with shadows, with full transport, with
-physical materials. R is the candidate and E = R - T. Then integration = E1, occlusion = E2 - E1,
-interreflection = E3 - E2 and model = E4 - E3 sum to the total error E4. Each is a signed sum of
-pictures, so integration and model can be split further wherever there is a picture in between.
+physical materials. R1 to R4 are the candidate with what each truth has switched on, the same
+picture where it has no such switch, and E_k = R_k - T_k. Then integration = E1,
+occlusion = E2 - E1, interreflection = E3 - E2 and model = E4 - E3 sum to the total error E4. Each
+is a signed sum of pictures, so integration and model can be split further wherever there is a
+picture in between.
 
 Each reference's batches are halved. Steps that follow each other come from different halves, and
 the total from another than the last, so that no rung cancels and batches that do not agree keep the
@@ -13,7 +15,7 @@ one cause to the next.)
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -104,13 +106,14 @@ def ladder(
     case: Case,
     obj: Object,
     technique: str,
-    drawn: Drawn,
+    drawn: Mapping[str, Drawn],
     truths: dict[str, list[Frame]],
     rows: Iterable[Row],
 ) -> Ladder | None:
     """The causes of one object's error; None where there are too few rungs or batches for it.
 
     Args:
+        drawn: what stands against each of the truths; the same object where no switch parts them.
         truths: batches by truth, each with the layer `diffuse`; under the names in MODEL_STEPS
             those of the models in between `global` and `physical`.
         rows: the object's rows, one a truth, for the steps of SSIM.
@@ -120,16 +123,16 @@ def ladder(
         return None
     ids = truths[rungs[0]][0].ids
     mask = ids == case.index(obj.name)
-    wrong = not np.isfinite(drawn.whole).all() or drawn.whole.shape[:2] != ids.shape
-    if wrong or not mask.any() or min(len(b) for b in truths.values()) < FEWEST:
+    candidate = Candidate(drawn)
+    if not candidate.fits(ids) or not mask.any() or min(map(len, truths.values())) < FEWEST:
         return None
-    last, whole = rungs[-1], ((1, "candidate"), (-1, rungs[-1]))
-    steps = [*_steps(rungs, drawn, truths)]
-    pixels = _pictures(drawn, truths, lambda rgb: rgb[mask].mean(axis=1, dtype=np.float64))
-    blocks = _pictures(drawn, truths, lambda rgb: block_sums(rgb, mask))
+    last, whole = rungs[-1], candidate.error(rungs[-1])
+    steps = [*_steps(rungs, candidate, truths)]
+    pixels = _pictures(candidate, truths, lambda rgb: rgb[mask].mean(axis=1, dtype=np.float64))
+    blocks = _pictures(candidate, truths, lambda rgb: block_sums(rgb, mask))
     covered = block_sums(mask[..., None], mask)
     other = 1 - steps[-1].half
-    energy, local = Energy(pixels, last), Local(blocks, covered, last, other)
+    energy, local = Energy(pixels, last), Local(blocks, covered, whole, other)
     ssim = {r.truth: Estimate(r.ssim, r.ssim_se, r.ssim_dof) for r in rows}
     causes = [
         Cause(
@@ -151,69 +154,134 @@ def ladder(
         object=obj.name,
         technique=technique,
         truth=last,
+        switched=[n for n, (a, b) in _places(rungs).items() if candidate.switched(a, b)],
         causes=causes,
         total=Cause(
             name="total",
             energy=_figured(energy.of(whole, other)),
-            diffuse=_diffuse(energy, _own_diffuse(drawn, last), other),
+            diffuse=_diffuse(energy, candidate.diffuse_error(last), other),
             local=_figured(local.total),
             ssim=_figured(_less(ssim.get(last), Estimate(1.0))),
         ),
         energy_gap=_figured(gaps[0]),
         local_gap=_figured(gaps[1]),
         closes=all(low <= 0 <= high for low, high in (g.interval(CLOSURE) for g in gaps)),
-        missing=_missing(blocks, covered) if "global" in rungs else {},
+        missing=_missing(blocks, covered, candidate) if "global" in rungs else {},
     )
 
 
-def _steps(rungs: Sequence[str], drawn: Drawn, truths: dict[str, list[Frame]]) -> Iterable[Step]:
+class Candidate:
+    """A candidate on its way up the ladder: its pictures by name, and sums of them.
+
+    Args:
+        drawn: what stands against each truth; the same object where no switch parts them.
+    """
+
+    def __init__(self, drawn: Mapping[str, Drawn]) -> None:
+        first: dict[int, str] = {}
+        self.name = {truth: first.setdefault(id(d), f"R {truth}") for truth, d in drawn.items()}
+        self.drawn = {self.name[truth]: d for truth, d in drawn.items()}
+
+    def fits(self, ids: np.ndarray) -> bool:
+        """Whether every picture is of the size of `ids`, (H, W), and finite."""
+        wholes = [d.whole for d in self.drawn.values()]
+        return all(w.shape[:2] == ids.shape and np.isfinite(w).all() for w in wholes)
+
+    def switched(self, below: str, above: str) -> bool:
+        """Whether a switch parts what stands against two truths."""
+        return self.name[below] != self.name[above]
+
+    def error(self, truth: str) -> Terms:
+        """What it is wrong by against a truth."""
+        return (1, self.name[truth]), (-1, truth)
+
+    def diffuse_error(self, truth: str) -> Terms | None:
+        """The same of its own diffuse light; None where that is unknown."""
+        own = self._diffuse(truth)
+        return None if own is None else (*own, (-1, f"{truth}.diffuse"))
+
+    def step(self, below: str, above: str) -> Terms:
+        """What it moves by from one truth to the next; nothing where no switch parts them."""
+        if not self.switched(below, above):
+            return ()
+        return (1, self.name[above]), (-1, self.name[below])
+
+    def diffuse_step(self, below: str, above: str) -> Terms | None:
+        """The same of its diffuse light; None where that is unknown."""
+        if not self.switched(below, above):
+            return ()
+        ends = self._diffuse(above), self._diffuse(below)
+        if ends[0] is None or ends[1] is None:
+            return None
+        return (*ends[0], *((-sign, name) for sign, name in ends[1]))
+
+    def pictures(self) -> dict[str, np.ndarray]:
+        """All of them, (H, W, 3): whole, without the diffuse lobe, with a map made finely."""
+        found = {name: d.whole for name, d in self.drawn.items()}
+        for name, d in self.drawn.items():
+            if d.specular is not None:
+                found[f"{name}.specular"] = d.specular
+            found |= {f"{name}.{fine}": rgb for fine, rgb in d.refined.items()}
+        return found
+
+    def _diffuse(self, truth: str) -> Terms | None:
+        name = self.name[truth]
+        return None if self.drawn[name].specular is None else ((1, name), (-1, f"{name}.specular"))
+
+
+def _places(rungs: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """The two rungs between which each cause beyond integration lies."""
+    return dict(zip(NAMES[1:], itertools.pairwise(rungs), strict=False))
+
+
+def _steps(
+    rungs: Sequence[str], candidate: Candidate, truths: dict[str, list[Frame]]
+) -> Iterable[Step]:
     """The causes between the rungs that there are, each followed by its own parts."""
-    yield Step(NAMES[0], ((1, "candidate"), (-1, rungs[0])), _own_diffuse(drawn, rungs[0]))
-    if drawn.refined and drawn.specular is not None:
-        yield from _integration(rungs[0], drawn)
-    for place, (below, above) in enumerate(itertools.pairwise(rungs), start=1):
-        name, half = NAMES[place], place % 2
-        yield _between(name, below, above, half)
+    yield Step(NAMES[0], candidate.error(rungs[0]), candidate.diffuse_error(rungs[0]))
+    yield from _integration(rungs[0], candidate)
+    for place, (name, (below, above)) in enumerate(_places(rungs).items(), start=1):
+        half = place % 2
+        yield _between(name, candidate, below, above, half)
         if above == "physical" and all(m in truths for m in MODEL_STEPS[:-1]):
             places = itertools.pairwise([below, *MODEL_STEPS[:-1], above])
             for (a, b), part in zip(places, MODEL_STEPS, strict=True):
-                yield _between(part, a, b, half, name)
+                yield _between(part, candidate, a, b, half, name)
 
 
-def _own_diffuse(drawn: Drawn, truth: str) -> Terms | None:
-    """The error of the candidate's own diffuse light; None where it is unknown."""
-    if drawn.specular is None:
-        return None
-    return (1, "candidate"), (-1, "specular"), (-1, f"{truth}.diffuse")
+def _between(
+    name: str, candidate: Candidate, below: str, above: str, half: int, parent: str = ""
+) -> Step:
+    """What the candidate is wrong by when the truth moves on, less by what it moves itself."""
+    diffuse = candidate.diffuse_step(below, above)
+    if diffuse is not None:
+        diffuse = *diffuse, (1, f"{below}.diffuse"), (-1, f"{above}.diffuse")
+    terms = *candidate.step(below, above), (1, below), (-1, above)
+    return Step(name, terms, diffuse, parent, half)
 
 
-def _between(name: str, below: str, above: str, half: int, parent: str = "") -> Step:
-    """What the candidate is wrong by, since it stays where it is, when the truth moves on."""
-    diffuse = (1, f"{below}.diffuse"), (-1, f"{above}.diffuse")
-    return Step(name, ((1, below), (-1, above)), diffuse, parent, half)
-
-
-def _integration(truth: str, drawn: Drawn) -> Iterable[Step]:
+def _integration(truth: str, candidate: Candidate) -> Iterable[Step]:
     """Parts of the integration error of the split sum, by its maps."""
+    own = candidate.name[truth]
+    drawn = candidate.drawn[own]
+    if not drawn.refined or drawn.specular is None:
+        return
+    specular, fine, table = (f"{own}.{n}" for n in ("specular", "irradiance map", "table"))
     if (drawn.whole != drawn.specular).any():
-        fine = "irradiance map"
-        own = (1, "candidate"), (-1, fine)
-        yield Step(fine, own, own, NAMES[0])
-        rest = (1, fine), (-1, "specular"), (-1, f"{truth}.diffuse")
+        coarse = (1, own), (-1, fine)
+        yield Step("irradiance map", coarse, coarse, NAMES[0])
+        rest = (1, fine), (-1, specular), (-1, f"{truth}.diffuse")
         yield Step("kd at n·v", rest, rest, NAMES[0])
-    split = (1, "specular"), (-1, truth), (1, f"{truth}.diffuse")
+    split = (1, specular), (-1, truth), (1, f"{truth}.diffuse")
     if "table" in drawn.refined:  # some models have tables that are the material's own, and fine
-        yield Step("table", ((1, "candidate"), (-1, "table")), (), NAMES[0])
-        split = (1, "table"), (-1, "candidate"), *split
+        yield Step("table", ((1, own), (-1, table)), (), NAMES[0])
+        split = (1, table), (-1, own), *split
     yield Step("prefilter", split, (), NAMES[0])
 
 
-def _pictures(drawn: Drawn, truths: dict[str, list[Frame]], cells) -> Pictures:
+def _pictures(candidate: Candidate, truths: dict[str, list[Frame]], cells) -> Pictures:
     """Everything that steps are made of, as light in cells."""
-    own = {"candidate": drawn.whole, **drawn.refined}
-    if drawn.specular is not None:
-        own["specular"] = drawn.specular
-    made = {name: cells(rgb)[None] for name, rgb in own.items()}
+    made = {name: cells(rgb)[None] for name, rgb in candidate.pictures().items()}
     source = dict.fromkeys(made, "")
     for name, batches in truths.items():
         # The three truths of one model share their paths.
@@ -262,18 +330,17 @@ class Local:
     signed, and those of causes that sum to e sum to L. s and e come from different batches.
     """
 
-    def __init__(self, blocks: Pictures, pixels: np.ndarray, last: str, other: int) -> None:
-        self.blocks, self.whole, self.other = blocks, ((1, "candidate"), (-1, last)), other
+    def __init__(self, blocks: Pictures, pixels: np.ndarray, whole: Terms, other: int) -> None:
+        self.blocks, self.whole, self.other = blocks, whole, other
+        own, last = (name for _, name in whole)
         self.dof = blocks.least() // 2 - 1
         self.error, self.noise = zip(*(blocks.total(self.whole, h) for h in (0, 1)), strict=True)
-        candidate, batches = (
-            blocks.cells[n].reshape(-1, pixels.size // 3, 3) for n in ("candidate", last)
-        )
+        candidate, batches = (blocks.cells[n].reshape(-1, pixels.size // 3, 3) for n in (own, last))
         channel = worst_channel(pixels[::3], candidate[0], batches)
         weights = block_weights(pixels[::3], batches.mean(axis=0))
         self.weights = np.where(np.arange(3) == channel, weights, 0).ravel()
-        own = blocks.cells["candidate"] - blocks.cells[last][other::2]
-        products = self.weights * own[:, None] * own
+        errors = blocks.cells[own] - blocks.cells[last][other::2]
+        products = self.weights * errors[:, None] * errors
         cells = pairs(products)
         self.square = float(cells.sum())
         self.root = math.sqrt(self.square) if self.square > 0 else math.nan
@@ -281,10 +348,10 @@ class Local:
         self.scale = self.root if self.square > 0 else math.sqrt(float(np.abs(cells).sum())) or 1.0
         variance = (
             jackknife(pairs_without_each(products))
-            if len(own) > 2
+            if len(errors) > 2
             else np.full(cells.shape, np.nan)
         )
-        se, dof = combined(variance, len(own) - 1)
+        se, dof = combined(variance, len(errors) - 1)
         self.total = Estimate(self.root, se / (2 * self.root), dof)
 
     def share(self, terms: Terms, half: int) -> Estimate:
@@ -314,41 +381,61 @@ class Local:
         return Estimate(value / self.scale, se / self.scale, dof)
 
 
-def _missing(blocks: Pictures, pixels: np.ndarray) -> dict[str, Figured]:
+def _missing(blocks: Pictures, pixels: np.ndarray, candidate: Candidate) -> dict[str, Figured]:
     """How much of the occlusion and of the interreflection the candidate lacks, as fractions.
 
-    Least squares of R - T1 on T2 - T1, T3 - T2 and T1 (a gain, so that a picture too bright is not
-    taken for one without shadows) over the blocks, each over the block's light. Products are
-    taken between different batches, so that noise does not flatten the slopes.
+    By least squares over the blocks, each over the block's light. A candidate with a switch for one
+    of them draws R2 - R1 of T2 - T1 and R3 - R2 of T3 - T2, a slope each. Else R1 - T1 is fitted by
+    T2 - T1, T3 - T2 and T1 (a gain, so that a picture too bright is not taken for one without
+    shadows). Products are taken between different batches, so that noise does not flatten the
+    slopes.
 
-    What else is wrong with the candidate may look alike. So its error holds what batches move the
-    slopes by, what parts of the object do, and what other weights of the blocks do.
+    What else is wrong with a candidate may look alike, and a share need not be the same everywhere.
+    So the error holds what batches move the slopes by, what parts of the object do, and what other
+    weights of the blocks do.
     """
     one, two, three = (blocks.cells[t] for t in RUNGS[:3])
-    vectors = np.stack([two - one, three - two, one, blocks.cells["candidate"] - one], axis=1)
+    drawn = [np.broadcast_to(blocks.cells[candidate.name[t]], one.shape) for t in RUNGS[:3]]
+    if candidate.switched(*RUNGS[:2]) or candidate.switched(*RUNGS[1:3]):
+        fits = [
+            np.stack([truth, own], axis=1)
+            for truth, own in ((two - one, drawn[1] - drawn[0]), (three - two, drawn[2] - drawn[1]))
+        ]
+    else:
+        fits = [np.stack([two - one, three - two, one, drawn[0] - one], axis=1)]
     lit = (three.mean(axis=0) > 0) & (one.mean(axis=0) > 0)
-    vectors, pixels, first, light = vectors[..., lit], pixels[lit], one[:, lit], three[:, lit]
-    weights = [np.sqrt(pixels) / light.mean(axis=0), np.sqrt(pixels) / first.mean(axis=0)]
-    weights += [1 / np.sqrt(light.mean(axis=0)), 1 / np.sqrt(pixels)]
-    batches, cells = np.arange(len(vectors)), np.arange(len(pixels))
+    pixels, first, light = pixels[lit], one[:, lit].mean(axis=0), three[:, lit].mean(axis=0)
+    weights = [np.sqrt(pixels) / light, np.sqrt(pixels) / first]
+    weights += [1 / np.sqrt(light), 1 / np.sqrt(pixels)]
+    slopes = [slope for vectors in fits for slope in _slopes(vectors[..., lit], weights)]
+    return {
+        name: _figured(Estimate(1 - slope.value, slope.se, slope.dof))
+        for name, slope in zip(NAMES[1:3], slopes, strict=False)
+    }
+
+
+def _slopes(vectors: np.ndarray, weights: Sequence[np.ndarray]) -> list[Estimate]:
+    """The slopes of a fit by the first of some weights of the cells, with all that moves them."""
+    batches, cells = np.arange(len(vectors)), np.arange(vectors.shape[2])
     fit = _Fit(vectors, weights[0])
     by_batch = np.stack([fit(batches[batches != k], cells) for k in batches])
     parts = np.array_split(cells, PARTS)
     by_part = np.stack([fit(batches, np.setdiff1d(cells, part)) for part in parts])
     others = [_Fit(vectors, w)(batches, cells) for w in weights]
     error = np.sqrt(jackknife(by_batch) + jackknife(by_part) + np.var(others, axis=0, ddof=1))
-    return {
-        name: _figured(Estimate(float(value), float(se), len(weights) - 1))
-        for name, value, se in zip(NAMES[1:3], 1 - fit(batches, cells), error, strict=True)
-    }
+    dof = len(weights) - 1
+    return [
+        Estimate(float(value), float(se), dof)
+        for value, se in zip(fit(batches, cells), error, strict=True)
+    ]
 
 
 @dataclass(frozen=True)
 class _Fit:
-    """Slopes of occlusion and interreflection, from some batches and cells.
+    """The slopes of the last of some pictures on the others, from some batches and cells.
 
     Attributes:
-        vectors: (n, 4, c): T2 - T1, T3 - T2, T1 and R - T1.
+        vectors: (n, m + 1, c), pictures as light in cells, of n batches.
         weights: (c,) by which cells are scaled.
     """
 
@@ -356,13 +443,15 @@ class _Fit:
     weights: np.ndarray
 
     def __call__(self, batches: np.ndarray, cells: np.ndarray) -> np.ndarray:
-        kept = self.vectors[np.ix_(batches, range(4), cells)] * self.weights[cells]
+        """(m,), NaN where the others do not tell."""
+        known = self.vectors.shape[1] - 1
+        kept = self.vectors[np.ix_(batches, range(known + 1), cells)] * self.weights[cells]
         total = kept.sum(axis=0)
         products = total @ total.T - np.einsum("kac,kbc->ab", kept, kept)
         try:
-            return np.linalg.solve(products[:3, :3], products[:3, 3])[:2]
+            return np.linalg.solve(products[:known, :known], products[:known, known])
         except np.linalg.LinAlgError:
-            return np.full(2, np.nan)
+            return np.full(known, np.nan)
 
 
 def _ssim_step(name: str, rungs: Sequence[str], ssim: dict[str, Estimate]) -> Figured | None:

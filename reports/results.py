@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, fi
 from reports.record import Record, load, save
 from scenes.suite import Budget
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 Verdict = Literal["pass", "fail", "inconclusive", "reported"]
 
 
@@ -41,6 +41,8 @@ TOLD: dict[str, dict[str, type]] = {
 class Row(Record):
     """One object of one case: one candidate against one truth.
 
+    `picture` names what was compared: of a technique with switches the picture that has what the
+    truth has, `<technique>.<truth>` where that takes a switch thrown or another model.
     Errors are fractions (0.01 is 1 %), times are in milliseconds or seconds as named, `_ci95` is
     a 95 % interval, `_se` and `_dof` are a judged figure's standard error and its degrees of
     freedom (of the square, for energy_local). Verdicts hold at `confidence`, wider than 95 %, so
@@ -58,6 +60,7 @@ class Row(Record):
     weight: float
     weight_g: float
     technique: str
+    picture: str
     truth: str
     ssim: Figure = UNKNOWN
     ssim_ci95: Interval = UNKNOWN_INTERVAL
@@ -138,6 +141,7 @@ class Ladder(Record):
 
     The causes without a parent sum to `total` within the gaps, since they come from different
     batches; `closes` says whether they do, at a confidence for all gaps of a suite together.
+    `switched` are the causes that a switch of the candidate works on: its pictures differ there.
     `missing` says how much of the occlusion and interreflection the candidate lacks (1 is all).
     """
 
@@ -145,6 +149,7 @@ class Ladder(Record):
     object: str
     technique: str
     truth: str
+    switched: list[str] = Field(default_factory=list)
     causes: list[Cause]
     total: Cause
     energy_gap: Figured
@@ -193,8 +198,8 @@ class Beside(Record):
 class CaseRecord(Record):
     """Where the pictures of a case lie, relative to results.json.
 
-    `candidates` by technique; `truths` as two EXRs each, the means of two independent halves of
-    the batches, so that maps can be drawn without the reference's noise.
+    `candidates` by the names of pictures; `truths` as two EXRs each, the means of two independent
+    halves of the batches, so that maps can be drawn without the reference's noise.
     """
 
     id: str
@@ -210,7 +215,7 @@ class CaseRecord(Record):
 class Results(Record):
     """One run of a suite."""
 
-    schema_version: Literal[2] = SCHEMA_VERSION
+    schema_version: Literal[3] = SCHEMA_VERSION
     suite: str
     suite_path: str
     description: str

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any
 
 from reports import gate
@@ -10,16 +11,30 @@ from reports.compare import Truth, compare
 from reports.metrics import FURTHER, JUDGED
 from reports.results import Row
 from scenes.frame import Frame
-from scenes.schema import Case, Object
+from scenes.schema import Case, Model, Object
 from scenes.suite import Budget
 
 ENOUGH_PIXELS = 10_000  # below, blocks are few and SSIM's windows are mostly rim
 
 
+@dataclass(frozen=True)
+class Picture:
+    """What a technique drew to stand against a truth.
+
+    Attributes:
+        name: in results.json; of one technique's pictures each has its own.
+        model: that it was drawn under.
+    """
+
+    name: str
+    frame: Frame
+    model: Model
+
+
 def judged_rows(
     case: Case,
     truth: Truth,
-    frames: dict[str, Frame],
+    pictures: Mapping[str, Picture],
     failures: dict[str, str],
     rules: Sequence[Budget],
     family: int = 1,
@@ -27,43 +42,46 @@ def judged_rows(
     """The rows of a case against one truth, with their verdicts and the figures these need.
 
     Args:
-        frames: the candidates' pictures by technique.
+        pictures: what stands against this truth, by technique.
         failures: why a technique gave no picture; its rows fail with that problem.
-        rules: the suite's budgets. Against a truth that draws another model than the case's none
-            holds (`gate.judged_against`): such rows are told and not judged.
+        rules: the suite's budgets; of rows that `gate.judged_against` spares none holds.
         family: how many verdicts must hold together (`gate.family_size`).
     """
-    rules = list(rules) if gate.judged_against(truth.name, case.model) else []
     rows = [
-        Row(**_identity(case, obj, label), **_cost(truth), problem=problem)
+        Row(**_identity(case, obj, label), picture=label, **_cost(truth), problem=problem)
         for label, problem in failures.items()
         for obj in case.judged
     ]
 
     def row(label: str, obj: Object) -> Row:
-        frame = frames[label]
+        frame = pictures[label].frame
         made = frame.provenance.get("precomputation_seconds", float("nan"))
         times = {"frame_ms": frame.seconds * 1e3, "precomputation_ms": made * 1e3}
         figures = compare(case, obj, frame, truth, JUDGED)
         few = _few_pixels(obj, figures.get("pixels", 0))
-        return Row(**_identity(case, obj, label), **_cost(truth), **times, **figures, note=few)
+        told = _identity(case, obj, label) | {"picture": pictures[label].name}
+        return Row(**told, **_cost(truth), **times, **figures, note=few)
 
-    pairs = [(label, obj) for label in frames for obj in case.judged]
+    def held(row: Row) -> Row:
+        drawn = pictures[row.technique].model if row.technique in pictures else case.model
+        return gate.judge(row, rules if gate.judged_against(row.truth, drawn) else [], family)
+
+    pairs = [(label, obj) for label in pictures for obj in case.judged]
     rows += _threaded(lambda pair: row(*pair), pairs)
-    return [gate.judge(row, rules, family) for row in rows]
+    return [held(row) for row in rows]
 
 
 def measured_further(
-    case: Case, truths: Mapping[str, Truth], frames: dict[str, Frame], rows: Sequence[Row]
+    case: Case, truths: Mapping[str, Truth], frames: Mapping[str, Frame], rows: Sequence[Row]
 ) -> list[Row]:
-    """Rows with the figures that no verdict needs."""
+    """Rows with the figures that no verdict needs; `frames` by the names of pictures."""
     objects = {o.name: o for o in case.judged}
 
     def measured(row: Row) -> Row:
         if row.problem:
             return row
         further = compare(
-            case, objects[row.object], frames[row.technique], truths[row.truth], FURTHER
+            case, objects[row.object], frames[row.picture], truths[row.truth], FURTHER
         )
         return row.model_copy(update=further)
 

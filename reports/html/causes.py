@@ -15,15 +15,18 @@ MEANINGS = {
     "kd at n·v": "One share of diffuse light for all directions, taken at the angle of view.",
     "table": "The table of the specular lobe's reflectance.",
     "prefilter": "The blurred environment, looked up in one direction as if seen head-on.",
-    "occlusion": "Light that in truth is blocked by the object itself or by its neighbours.",
-    "interreflection": "Light that in truth arrives by way of the object itself or its neighbours.",
-    "model": "The surface itself: the case's BRDF instead of physical materials.",
+    "occlusion": "Light that in truth is blocked by the object itself or by its neighbours; where "
+    "the technique draws shadows, what is wrong with them.",
+    "interreflection": "Light that in truth arrives by way of the object itself or its neighbours; "
+    "where the technique draws it, what is wrong with it.",
+    "model": "The surface itself: the case's BRDF instead of physical materials; where the "
+    "technique draws their equations, what is wrong with these.",
     "Fresnel": "Schlick's approximation instead of the exact equations.",
     "kd": "The share of light that the diffuse layer gets and gives back.",
     "masking": "The masking of facets, where the case's is not the mixture's exact Smith masking, "
     "and all else that parts the models.",
 }
-OUTSIDE = "candidate"  # the one technique that may draw shadows; the built-in ones draw none
+OUTSIDE = "candidate"  # the one technique whose switches nobody knows
 ABSENT = {"occlusion": "shadows", "interreflection": "light between surfaces"}
 CANCELS = 0.01  # of the light, from which on errors of opposite sign are told
 SKEW = 4 / 3  # of an interval's sides, from which on both are told
@@ -161,6 +164,7 @@ class Chart:
     object: str
     technique: str
     truth: str
+    switched: bool
     sentences: list[str]
     closure: str
     closes: bool
@@ -185,6 +189,7 @@ def _chart(ladder: Ladder, axes: Sequence[Axis]) -> Chart:
         object=ladder.object,
         technique=ladder.technique,
         truth=ladder.truth,
+        switched=bool(ladder.switched),
         sentences=[*_sentences(ladder)],
         closure=_closure(ladder),
         closes=ladder.closes or not _known(ladder.energy_gap, ladder.local_gap),
@@ -271,8 +276,7 @@ def _sentences(ladder: Ladder) -> Iterable[str]:
         yield "The local error is lost in the reference's noise."
     else:
         yield _local(_Balance.of(causes, ladder.total, "local"))
-    if told := _absent(ladder):
-        yield told
+    yield from _by_pattern(ladder) if ladder.technique == OUTSIDE else _by_switches(ladder)
     over = sum(c.energy.value for c in causes if c.energy.low > 0)
     under = sum(c.energy.value for c in causes if c.energy.high < 0)
     if min(over, -under) > CANCELS:
@@ -329,23 +333,34 @@ def _and(names: Sequence[str]) -> str:
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
-def _absent(ladder: Ladder) -> str:
-    """What of the truth's light the picture lacks; empty where that is not known."""
-    if ladder.technique != OUTSIDE:
-        lacks = [f"no {ABSENT[c.name]}" for c in ladder.causes if c.name in ABSENT]
-        return f"This technique draws {_and(lacks)}." if lacks else ""
-    known = {n: f for n, f in ladder.missing.items() if half_width((f.low, f.high)) <= HIDDEN}
-    if not known:
-        return ""
-    told = _and([f"{_share(f)} of the {ABSENT[name]}" for name, f in known.items()])
-    return (
-        f"By the pattern of its blocks, the picture lacks {told}; its other errors can look like "
-        "these, so that a figure beside 100 % need not mean that some is drawn."
-    )
+def _by_switches(ladder: Ladder) -> Iterable[str]:
+    """What of the truth's light a technique draws, whose switches are known."""
+    causes = [c.name for c in ladder.causes if c.name in ABSENT]
+    if lacks := [f"no {ABSENT[name]}" for name in causes if name not in ladder.switched]:
+        yield f"This technique draws {_and(lacks)}."
+    known = {n: f for n, f in _told(ladder).items() if n in ladder.switched}
+    drawn = [Figured(value=1 - f.value, low=1 - f.high, high=1 - f.low) for f in known.values()]
+    shares = [f"{_share(f)} of the {ABSENT[n]}" for n, f in zip(known, drawn, strict=True)]
+    if shares:
+        yield f"With its switches on, it draws {_and(shares)}, by least squares over the blocks."
+
+
+def _by_pattern(ladder: Ladder) -> Iterable[str]:
+    """What of the truth's light a picture alone seems to lack, where noise does not hide it."""
+    if told := _and([f"{_share(f)} of the {ABSENT[name]}" for name, f in _told(ladder).items()]):
+        yield (
+            f"By the pattern of its blocks, the picture lacks {told}; its other errors can look "
+            "like these, so that a figure beside 100 % need not mean that some is drawn."
+        )
+
+
+def _told(ladder: Ladder) -> dict[str, Figured]:
+    """The missing fractions that say something."""
+    return {n: f for n, f in ladder.missing.items() if half_width((f.low, f.high)) <= HIDDEN}
 
 
 def _share(figure: Figured) -> str:
-    """A missing fraction with its spread."""
+    """A fraction with its spread."""
     shares = (figure.value, half_width((figure.low, figure.high)), *_sides(figure))
     value, half, below, above = (number(100 * v, 0) for v in shares)
     spread = f"±{GAP}{half}" if below == above or not _skew(figure) else f"−{below}/+{above}"

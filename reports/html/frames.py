@@ -33,16 +33,16 @@ class CaseFrames:
     _read: dict[str, Frame] = field(default_factory=dict)
     _views: dict[tuple[str, str], TruthView] = field(default_factory=dict)
 
-    def candidate(self, technique: str) -> np.ndarray:
-        """Linear radiance (h, w, 3).
+    def candidate(self, name: str) -> np.ndarray:
+        """Linear radiance (h, w, 3) of a picture by its name.
 
         Raises:
             PictureError: there is no such picture.
         """
-        if technique not in self.record.candidates:
-            known = (r.problem for r in self.rows if r.technique == technique and r.problem)
-            raise PictureError(next(known, f"the run recorded none of {technique}"))
-        return self._frame(self.record.candidates[technique]).rgb
+        if name not in self.record.candidates:
+            known = (r.problem for r in self.rows if r.picture == name and r.problem)
+            raise PictureError(next(known, f"the run recorded none of {name}"))
+        return self._frame(self.record.candidates[name]).rgb
 
     def halves(self, truth: str) -> np.ndarray:
         """The means of two independent halves of a truth's batches, (2, h, w, 3)."""
@@ -89,7 +89,7 @@ class CaseFrames:
 
     def subject(self, row: Row) -> tuple[Subject, tuple[slice, slice]]:
         """What the metrics saw of a row's object, and where in the picture that lies."""
-        candidate = self.candidate(row.technique)
+        candidate = self.candidate(row.picture)
         mask, halves = self.mask(row.truth, row.object), self.halves(row.truth)
         if candidate.shape != halves.shape[1:]:
             raise PictureError("candidate and reference differ in size")

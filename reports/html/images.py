@@ -26,17 +26,30 @@ class Picture:
 
     Attributes:
         kind: a key of page.KINDS.
-        technique, truth: what it depends on; empty where it does not.
+        techniques, truths: those with which it is shown; empty for all of them.
         uri: a PNG as data URI, empty where there is a problem.
         size: width and height in pixels.
+        name: of a candidate's picture, as in its rows.
     """
 
     kind: str
-    technique: str
-    truth: str
+    techniques: tuple[str, ...]
+    truths: tuple[str, ...]
     uri: str
     size: tuple[int, int]
     problem: str = ""
+    name: str = ""
+
+    def shown(self, technique: str, truth: str) -> bool:
+        """Whether it is shown where these are chosen."""
+        here = not self.techniques or technique in self.techniques
+        return here and (not self.truths or truth in self.truths)
+
+    @property
+    def of(self) -> str:
+        """What it is of, in words; empty where it is the same for all."""
+        own = [self.name] if self.name else [*self.techniques, *self.truths]
+        return ", ".join(own)
 
 
 def pixel_errors(subject: Subject) -> np.ndarray:
@@ -65,19 +78,33 @@ def case_pictures(frames: CaseFrames) -> list[Picture]:
     """Every picture of a case: candidates, truths, and the maps of each pair of them."""
     rows = frames.rows
     size = frames.record.width, frames.record.height
-    techniques = list(dict.fromkeys([*frames.record.candidates, *(r.technique for r in rows)]))
     truths = list(dict.fromkeys([*frames.record.truths, *(r.truth for r in rows)]))
     wanted = [
-        ("candidate", t, "", size, partial(_whole, frames, frames.candidate, t)) for t in techniques
+        ("candidate", own, against, size, partial(_whole, frames, frames.candidate, name), name)
+        for name, own, against in _candidates(frames)
     ]
-    wanted += [("truth", "", t, size, partial(_whole, frames, frames.truth, t)) for t in truths]
+    wanted += [("truth", (), (t,), size, partial(_whole, frames, frames.truth, t)) for t in truths]
     for technique, truth in dict.fromkeys((r.technique, r.truth) for r in rows):
         pair = [r for r in rows if (r.technique, r.truth) == (technique, truth)]
         wanted += [
-            (kind, technique, truth, size, partial(_map, frames, pair, kind)) for kind in MAPS
+            (kind, (technique,), (truth,), size, partial(_map, frames, pair, kind)) for kind in MAPS
         ]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         return list(pool.map(lambda picture: _made(*picture), wanted))
+
+
+def _candidates(frames: CaseFrames) -> list[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+    """Every candidate's picture: its name, its technique, and the truths that it is shown beside.
+
+    These are those that it was compared with where its technique has other pictures too; else all.
+    """
+    rows, found = frames.rows, []
+    for name in dict.fromkeys([*frames.record.candidates, *(r.picture for r in rows)]):
+        technique = next((r.technique for r in rows if r.picture == name), name)
+        all_own = {r.picture for r in rows if r.technique == technique}
+        against = dict.fromkeys(r.truth for r in rows if r.picture == name)
+        found.append((name, (technique,), tuple(against) if len(all_own) > 1 else ()))
+    return found
 
 
 def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:
@@ -95,43 +122,55 @@ def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:
             raise PictureError(reason)
         if kind == "signed":
             return _map(frames, [row], kind, window)
-        whole = frames.candidate(row.technique) if kind == "candidate" else frames.truth(row.truth)
+        whole = frames.candidate(row.picture) if kind == "candidate" else frames.truth(row.truth)
         return picture(whole[window], exposure)
 
     size = _size(window) if window else (0, 0)
+    names = {"candidate": row.picture, "truth": "", "signed": ""}
     return [
-        _made(kind, row.technique, row.truth, size, partial(shown, kind))
-        for kind in ("candidate", "truth", "signed")
+        _made(kind, (row.technique,), (row.truth,), size, partial(shown, kind), name)
+        for kind, name in names.items()
     ]
 
 
 def cause_maps(frames: CaseFrames, ladders: list[Ladder]) -> list[Picture]:
-    """A map of each whole cause; only that of integration differs between techniques."""
+    """A map of each whole cause, one for all techniques that have no switch for it."""
     size = frames.record.width, frames.record.height
     climbed = {(f.object, f.technique, f.truth) for f in ladders}
+    switched = {(f.technique, name) for f in ladders for name in f.switched}
     rows: dict[str, list[Row]] = {}
     for row in frames.rows:
         if (row.object, row.technique, row.truth) in climbed:
             rows.setdefault(row.technique, []).append(row)
     if not rows:
         return []
-    one = next(iter(rows.values()))
-    wanted = [(NAMES[0], technique, own) for technique, own in rows.items()]
-    wanted += [(name, "", one) for name in NAMES[1 : 1 + RUNGS.index(one[0].truth)]]
+    last = next(iter(rows.values()))[0].truth
+    wanted = [(NAMES[0], (technique,)) for technique in rows]
+    for name in NAMES[1 : 1 + RUNGS.index(last)]:
+        if alike := tuple(t for t in rows if (t, name) not in switched):
+            wanted.append((name, alike if len(alike) < len(rows) else ()))
+        wanted += [(name, (t,)) for t in rows if t not in alike]
     return [
-        _made(name, technique, "", size, partial(_cause_map, frames, own, name))
-        for name, technique, own in wanted
+        _made(name, own, (), size, partial(_cause_map, frames, rows[next(iter(own or rows))], name))
+        for name, own in wanted
     ]
 
 
 def _cause_map(frames: CaseFrames, rows: list[Row], name: str) -> str:
-    """What one cause adds to the light of each block, over the last truth's."""
-    place = NAMES.index(name)
+    """What one cause adds to the light of each block, over the last truth's.
+
+    Args:
+        rows: of one technique, against the last truth.
+    """
+    place, technique = NAMES.index(name), rows[0].technique
+    drawn = {r.truth: r.picture for r in frames.rows if r.technique == technique}
 
     def alone(subject: Subject, crop: tuple[slice, slice]) -> np.ndarray:
         """The error that is left if all but this cause were right."""
-        over = frames.truth(RUNGS[place - 1])[crop] if place else subject.candidate
-        added = over - frames.truth(RUNGS[place])[crop]
+        pairs = [(1, RUNGS[place]), (-1, RUNGS[place - 1])] if place else [(1, RUNGS[0])]
+        added = -sum(sign * frames.truth(truth)[crop] for sign, truth in pairs)
+        if len({drawn[truth] for _, truth in pairs}) == len(pairs):  # else it stays where it is
+            added = added + sum(sign * frames.candidate(drawn[t])[crop] for sign, t in pairs)
         return block_errors(Subject(subject.truth.mean + added, subject.truth))
 
     return _drawn(frames, rows, alone, SIGNED)
@@ -178,14 +217,21 @@ def _drawn(
 
 
 def _made(
-    kind: str, technique: str, truth: str, size: tuple[int, int], make: Callable[[], str]
+    kind: str,
+    techniques: tuple[str, ...],
+    truths: tuple[str, ...],
+    size: tuple[int, int],
+    make: Callable[[], str],
+    name: str = "",
 ) -> Picture:
     """The picture, or its absence with the reason."""
+    uri = problem = ""
     try:
         with np.errstate(all="ignore"):  # NaN and Inf of a candidate are counted in its row
-            return Picture(kind, technique, truth, make(), size)
+            uri = make()
     except Exception as error:  # one bad picture must not cost the whole page
-        return Picture(kind, technique, truth, "", size, _told(error))
+        problem = _told(error)
+    return Picture(kind, techniques, truths, uri, size, problem, name)
 
 
 def _told(error: Exception) -> str:

@@ -33,7 +33,11 @@ class Kind:
 
 
 KINDS = {
-    "candidate": Kind("Candidate", "What the real-time technique draws."),
+    "candidate": Kind(
+        "Candidate",
+        "What the real-time technique draws; if it has switches for what the reference leaves "
+        "out, with these off.",
+    ),
     "truth": Kind("Reference", "What path tracing gives, at the same exposure."),
     "signed": Kind(
         "Signed error",
@@ -184,8 +188,9 @@ def _case(results: Results, frames: CaseFrames) -> CaseView:
     ladders = [found for found in results.ladders if found.case == record.id]
     shown = causes.charts(ladders)
     shared, own = notes_of(rows)
-    techniques = list(dict.fromkeys(p.technique for p in pictures if p.kind == "candidate"))
-    truths = list(dict.fromkeys(p.truth for p in pictures if p.kind == "truth"))
+    drawn, traced = ([p for p in pictures if p.kind == kind] for kind in ("candidate", "truth"))
+    techniques = list(dict.fromkeys(t for p in drawn for t in p.techniques))
+    truths = list(dict.fromkeys(t for p in traced for t in p.truths))
     chosen = (rows[0].technique, rows[0].truth) if rows else (
         next(iter(techniques), ""), next(iter(truths), "")
     )  # fmt: skip

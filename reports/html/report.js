@@ -7,8 +7,12 @@ function choose(section) {
   for (const input of section.querySelectorAll("input[data-axis]:checked")) {
     chosen[input.dataset.axis] = input.value;
   }
+  // An element names what it is shown with on an axis, apart by blanks; nothing is all of it.
   const matches = (element) =>
-    Object.entries(chosen).every(([axis, value]) => [value, "", undefined].includes(element.dataset[axis]));
+    Object.entries(chosen).every(([axis, value]) => {
+      const own = element.dataset[axis] ?? "";
+      return ["", value].includes(own) || own.split(" ").includes(value);
+    });
   for (const element of section.querySelectorAll(".choice")) element.hidden = !matches(element);
   for (const row of section.querySelectorAll("tbody[id]")) row.classList.toggle("chosen", matches(row));
 }

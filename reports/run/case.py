@@ -7,7 +7,7 @@ import numpy as np
 from reference.batches import grow, truth_of
 from reference.store import Store
 from renderer.draw import Renderer
-from renderer.features import switched, technique
+from renderer.features import Technique, switched
 from renderer.objects import object_ids
 from reports import gate, parity
 from reports.candidates import CandidateError
@@ -15,9 +15,10 @@ from reports.compare import Truth, exposures_of
 from reports.ladder import Drawn, ladder
 from reports.progress import Reporter
 from reports.results import CaseRecord, Ladder, Row
-from reports.rows import judged_rows, measured_further
+from reports.rows import Picture, judged_rows, measured_further
 from reports.run.job import Job, Source, sources
 from reports.run.makers import Makers
+from reports.run.shots import Shot
 from scenes.errors import InputError
 from scenes.frame import Frame, save_frame
 from scenes.schema import Case
@@ -30,6 +31,7 @@ def run_entry(
     """One case: all its candidates, then reference by reference, then the causes of error."""
     case = entry.case
     _check_visible(case, job.path)
+    shots = job.shots(entry, entry.truths)
     frames, failures = _draw(job, entry, report)
     rows: list[Row] = []
     exposures: dict[str, float] = {}
@@ -46,7 +48,8 @@ def run_entry(
             for name, own in source.truths.items() if source.judged else ():
                 views[name] = Truth(case, name, [truth_of(b, own) for b in batches], exposures)
                 rules = job.suite.budget
-                judged += judged_rows(case, views[name], frames, failures, rules, job.family)
+                against = _against(name, shots, frames)
+                judged += judged_rows(case, views[name], against, failures, rules, job.family)
             return all(gate.settled(r) for r in judged)
 
         def traced(done: int, wanted: int, source: Source = source) -> None:
@@ -79,10 +82,11 @@ def run_entry(
     further = measured_further(case, views, frames, [r for r in rows if _about(r) in told])
     rows = [r for r in rows if _about(r) not in told] + further
     ladders = _ladders(job, entry, frames, truths, further)
-    for label, frame in frames.items():
-        for name in entry.truths:
+    for name in entry.truths:
+        mean = _mean(truths[name])
+        for label, picture in _against(name, shots, frames).items():
             own = [r for r in rows if (r.technique, r.truth) == (label, name)]
-            checks.add_frame(case, label, frame, _mean(truths[name]), own)
+            checks.add_frame(case, label, picture.frame, mean, own)
     candidates = {}
     for label, frame in frames.items():
         candidates[label] = f"frames/{case.id}/{label}.exr"
@@ -110,6 +114,18 @@ def _about(row: Row) -> tuple[str, str]:
     return row.technique, row.object
 
 
+def _against(
+    truth: str, shots: dict[str, dict[str, Shot]], frames: dict[str, Frame]
+) -> dict[str, Picture]:
+    """The pictures that stand against a truth, by technique, of those that there are."""
+    own = {label: by_truth[truth] for label, by_truth in shots.items()}
+    return {
+        label: Picture(shot.name, frames[shot.name], shot.case.model)
+        for label, shot in own.items()
+        if shot.name in frames
+    }
+
+
 def _ladders(
     job: Job,
     entry: Entry,
@@ -118,20 +134,32 @@ def _ladders(
     rows: list[Row],
 ) -> list[Ladder]:
     """Error by cause for every object and technique that has rows, where there are the truths."""
-    made = []
-    for label, frame in frames.items():
-        if not any(r.technique == label for r in rows):
+    made, compared = [], {r.technique for r in rows if r.picture in frames}
+    for label, shots in job.shots(entry, truths).items():
+        if label not in compared:
             continue
-        drawn = Drawn(frame.rgb)
-        if not job.outside:
-            thrown = switched(technique(label), entry.case.model)
-            pictures = {n: Renderer(t, repeats=0).render(entry.case).rgb for n, t in thrown.items()}
-            drawn = Drawn(frame.rgb, pictures.pop("specular"), pictures)
+        named = {shot.name: shot for shot in shots.values()}
+        pictures = {name: _drawn(job, shot, frames) for name, shot in named.items()}
+        drawn = {truth: pictures[shot.name] for truth, shot in shots.items()}
         for obj in entry.case.judged:
             own = [r for r in rows if _about(r) == (label, obj.name)]
             if own and (found := ladder(entry.case, obj, label, drawn, truths, own)):
                 made.append(found)
     return made
+
+
+def _drawn(job: Job, shot: Shot, frames: dict[str, Frame]) -> Drawn:
+    """A picture and the same with single switches thrown, as far as it can be had."""
+    if job.outside:
+        return Drawn(frames[shot.name].rgb)
+
+    def picture(how: Technique) -> np.ndarray:
+        return Renderer(how, repeats=0).render(shot.case).rgb
+
+    how = shot.candidate.technique
+    whole = frames[shot.name].rgb if shot.name in frames else picture(how)
+    thrown = {name: picture(other) for name, other in switched(how, shot.case.model).items()}
+    return Drawn(whole, thrown.pop("specular"), thrown)
 
 
 def _check_visible(case: Case, path: Path) -> None:
@@ -145,14 +173,14 @@ def _check_visible(case: Case, path: Path) -> None:
 
 
 def _draw(job: Job, entry: Entry, report: Reporter) -> tuple[dict[str, Frame], dict[str, str]]:
-    """The pictures of every candidate by technique, and why some gave none."""
+    """Every picture by name, and why some gave none."""
     frames, failures = {}, {}
-    for label, candidate in job.candidates(entry).items():
-        report.step(f"{entry.case.id}: {label}")
+    for name, shot in job.pictures(entry).items():
+        report.step(f"{entry.case.id}: {name}")
         try:
-            frames[label] = candidate.render(entry.case)
+            frames[name] = shot.candidate.render(shot.case)
         except CandidateError as error:
-            failures[label] = str(error)
+            failures[name] = str(error)
     return frames, failures
 
 

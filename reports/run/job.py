@@ -2,6 +2,7 @@
 
 import fnmatch
 import tempfile
+from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,12 +10,13 @@ from pathlib import Path
 
 from reference.executor import check_address, connect
 from reference.settings import TRUTHS, Kind
-from renderer.draw import REPEATS, Renderer
+from renderer.draw import REPEATS
 from renderer.features import technique
 from reports import gate
 from reports.candidates import Candidate
 from reports.ladder import MODEL_STEPS
 from reports.results import Missing
+from reports.run.shots import Shot, drawn_model, shots
 from scenes.environment import load_environment
 from scenes.errors import InputError
 from scenes.mesh import placement
@@ -81,7 +83,7 @@ class Job:
             for obj in entry.case.objects:
                 placement(obj)
                 _check_physical(entry, obj.material, path)
-        gate.check_rules(suite.budget, whole, OUTSIDE, path)
+        gate.check_rules(suite.budget, whole, self.drawn_model, OUTSIDE, path)
         object.__setattr__(self, "suite", suite)
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "entries", entries)
@@ -97,19 +99,32 @@ class Job:
     def family(self) -> int:
         """How many verdicts must hold together: the whole suite's, at every look at its batches."""
         label = OUTSIDE if self.outside else ""
-        return gate.family_size(self.suite.budget, self.whole, self.suite.reference, label)
+        return gate.family_size(
+            self.suite.budget, self.whole, self.suite.reference, self.drawn_model, label
+        )
 
     @property
     def wanted(self) -> list[tuple[Case, Kind, Sampling]]:
         """Every reference that it needs."""
         return [(s.case, s.kind, self.suite.reference) for e in self.entries for s in sources(e)]
 
-    def candidates(self, entry: Entry) -> dict[str, Candidate]:
-        """What draws an entry's case, by technique."""
+    def shots(self, entry: Entry, truths: Iterable[str]) -> dict[str, dict[str, Shot]]:
+        """What is drawn of an entry's case to stand against some truths: by technique and truth."""
         if self.outside:
-            return {OUTSIDE: self.outside}
+            shot = Shot(OUTSIDE, self.outside, entry.case)
+            return {OUTSIDE: dict.fromkeys(truths, shot)}
         repeats = 0 if self.verdict_only else REPEATS
-        return {name: Renderer(technique(name), repeats) for name in entry.techniques}
+        return {name: shots(name, entry.case, truths, repeats) for name in entry.techniques}
+
+    def pictures(self, entry: Entry) -> dict[str, Shot]:
+        """Every picture that is drawn of an entry's case, by name."""
+        by_truth = self.shots(entry, entry.truths).values()
+        return {shot.name: shot for own in by_truth for shot in own.values()}
+
+    def drawn_model(self, entry: Entry, name: str, truth: str) -> Model:
+        """The model of the picture that a technique, or who is outside, sets against a truth."""
+        model = entry.case.model
+        return model if name == OUTSIDE else drawn_model(technique(name), model, truth)
 
     def expected(self, entries: list[Entry]) -> list[Missing]:
         """Every row that the suite asks for in some of its entries."""

@@ -17,9 +17,9 @@ def efficiency(job: Job) -> list[Efficiency]:
     with reporting((1 + len(truths)) * len(job.entries)) as report:
         for entry in job.entries:
             case = entry.case
-            label, candidate = next(iter(job.candidates(entry).items()))
-            report.step(f"{case.id}: ours, beside {label}")
-            frame = candidate.render(case)
+            shot = next(iter(job.pictures(entry).values()))
+            report.step(f"{case.id}: ours, beside {shot.name}")
+            frame = shot.candidate.render(shot.case)
             render_batch(case, "model", samples, 0)  # compiles and warms up
             batches = [render_batch(case, "model", samples, 1 + k) for k in range(FEWEST_BATCHES)]
             ours = {t: [truth_of(b, t) for b in batches] for t in truths}

@@ -42,7 +42,7 @@ def run(job: Job) -> Results:
     cases: list[CaseRecord] = []
     ladders: list[Ladder] = []
     checks, makers = parity.Checks(judged=not job.outside), Makers()
-    steps = sum(len(job.candidates(e)) + len(sources(e)) for e in job.entries)
+    steps = sum(len(job.pictures(e)) + len(sources(e)) for e in job.entries)
     with reporting(steps) as report:
         for entry in job.entries:
             record, made, causes = run_entry(job, entry, report, checks, makers)

@@ -54,7 +54,7 @@ def plan(job: Job) -> list[str]:
     """What `run` would do, a line each: pictures to draw and samples to trace."""
     lines, store = [], Store(job.store)
     for entry in job.entries:
-        case, names = entry.case, ", ".join(job.candidates(entry))
+        case, names = entry.case, ", ".join(job.pictures(entry))
         lines.append(
             f"{case.id}: {case.width}x{case.height}, {len(case.judged)} objects, draw {names}"
         )

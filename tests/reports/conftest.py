@@ -48,7 +48,7 @@ def tiny(shadeproof, tmp_path_factory):
     folder = tmp_path_factory.mktemp("tiny")
     code, out, err = shadeproof("compare", "--suite", "tiny", "--out", folder, "--json")
     assert code == 0, err
-    assert json.loads(out)["schema_version"] == 2
+    assert json.loads(out)["schema_version"] == 3
     return folder
 
 

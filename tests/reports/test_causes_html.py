@@ -15,7 +15,8 @@ from reports.html import causes, write_report
 from reports.html.colour import SIGNED
 from reports.ladder import MODEL_STEPS, RUNGS
 from reports.results import CaseRecord, Figured, Results, Row
-from scenes.frame import Frame, save_frame
+from scenes.frame import Frame, load_frame, save_frame
+from tests.reports import browser
 from tests.reports.ladders import CAUSES, figure, made
 
 HEIGHT, WIDTH = 48, 96
@@ -63,16 +64,19 @@ def folder(tmp_path):
     return tmp_path
 
 
-def written(folder, ladders, techniques=("paper", "sampled")):
+def written(folder, ladders, techniques=("paper", "sampled"), named=None):
+    """The page; `named` are pictures by truth of techniques that have several."""
+    drawn = {t: dict.fromkeys(RUNGS, t) | (named or {}).get(t, {}) for t in techniques}
     rows = [
         Row(case="spheres.dusk", scene="spheres", environment="dusk", object="left",
             material="copper", roughness=0.4, metallic=1, weight=1, weight_g=1, technique=t,
-            truth=truth, exposure=0.5, energy_local=0.1 + (t == "paper"))
+            picture=drawn[t][truth], truth=truth, exposure=0.5, energy_local=0.1 + (t == "paper"))
         for t in techniques for truth in RUNGS
     ]  # fmt: skip
     case = CaseRecord(
         id="spheres.dusk", scene="spheres", environment="dusk", width=WIDTH, height=HEIGHT,
-        objects=["left"], candidates={t: f"{t}.exr" for t in techniques},
+        objects=["left"],
+        candidates={p: f"{p}.exr" for own in drawn.values() for p in own.values()},
         truths={t: (f"{t}.a.exr", f"{t}.b.exr") for t in RUNGS},
     )  # fmt: skip
     run = Results(
@@ -83,6 +87,13 @@ def written(folder, ladders, techniques=("paper", "sampled")):
         reasons=[],
     )  # fmt: skip
     return write_report(conclude(run), folder).read_text(encoding="utf-8")
+
+
+def image_of(page, alt):
+    """The pixels of an image by its whole alternative text."""
+    (uri,) = (a["src"] for t, a in page.elements if t == "img" and a["alt"] == alt)
+    data = base64.b64decode(uri.removeprefix("data:image/png;base64,"))
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGBA"))
 
 
 def both():
@@ -155,11 +166,8 @@ def test_hostile_names_stay_text(folder):
 
 def test_maps_show_each_cause_once_and_integration_for_each_technique(folder):
     page = Page(written(folder, both()))
-    maps = {}
-    for tag, a in page.elements:
-        if tag == "img" and a["alt"].startswith("Error by"):
-            data = base64.b64decode(a["src"].removeprefix("data:image/png;base64,"))
-            maps[a["alt"]] = np.asarray(Image.open(io.BytesIO(data)).convert("RGBA"))
+    alts = {a["alt"] for t, a in page.elements if t == "img"}
+    maps = {alt: image_of(page, alt) for alt in alts if alt.startswith("Error by")}
     percent = {  # of the last truth's light, as the folder's frames are made
         "Error by integration of spheres.dusk, paper": 10,
         "Error by integration of spheres.dusk, sampled": -3,
@@ -196,3 +204,91 @@ def test_causes_take_little_room(folder):
         for ladders in (many, [])
     ]
     assert sizes[0] - sizes[1] < 150e3
+
+
+@pytest.fixture
+def switched(folder):
+    """A run of `paper` and of `best`, whose pictures are a known share brighter than each truth."""
+    light = {"unoccluded": 1.1, "direct": 0.95, "global": 0.99, "physical": 0.99}
+    named = dict(zip(RUNGS, ("best.unoccluded", "best.direct", "best", "best"), strict=True))
+    last = load_frame(folder / "physical.a.exr").rgb
+    for truth, share in light.items():
+        save_frame(Frame(last * np.float32(share)), folder / f"{named[truth]}.exr")
+    switches = ["occlusion", "interreflection"]
+    ladders = [made(), made(technique="best", switched=switches)]
+    return written(folder, ladders, ("paper", "best"), {"best": named})
+
+
+def chosen(page, kind):
+    """The choices of technique and truth under which pictures of a kind are shown, by their alt."""
+    shown, found = None, {}
+    for tag, a in page.elements:
+        if "choice" in a.get("class", "").split():
+            shown = a["data-technique"], a["data-truth"]
+        if tag == "img" and a["alt"].startswith(f"{kind} of spheres.dusk"):
+            found[a["alt"]] = shown
+    return found
+
+
+def test_the_picture_that_was_measured_is_shown(switched):
+    page = Page(switched)
+    assert chosen(page, "Candidate") == {
+        "Candidate of spheres.dusk, paper": ("paper", ""),
+        "Candidate of spheres.dusk, best.unoccluded": ("best", "unoccluded"),
+        "Candidate of spheres.dusk, best.direct": ("best", "direct"),
+        "Candidate of spheres.dusk, best": ("best", "global physical"),
+    }
+    said = page.text("pairing")
+    assert "best vs unoccluded picture best.unoccluded" in said
+    assert "best vs direct picture best.direct" in said and said.count("picture") == 2
+
+
+def test_maps_of_the_error_are_of_the_picture_that_was_measured(switched):
+    page = Page(switched)
+    for truth, share in {"unoccluded": 2, "direct": 8, "global": 3, "physical": -1}.items():
+        shown = image_of(page, f"Block energy error of spheres.dusk, best, {truth}")
+        assert tuple(shown[20, 40]) == (*SIGNED.colours[25 + share], 255), truth
+
+
+def test_maps_of_causes_are_of_the_switches_that_a_technique_has(switched):
+    """E_k: .02, .07, .03 and -.01 of the last truth's light."""
+    page = Page(switched)
+    percent = {
+        "integration of spheres.dusk, best": 2,
+        "occlusion of spheres.dusk, paper": 20,
+        "occlusion of spheres.dusk, best": 5,
+        "interreflection of spheres.dusk, paper": -8,
+        "interreflection of spheres.dusk, best": -4,
+        "model of spheres.dusk": -4,
+    }
+    for name, share in percent.items():
+        shown = image_of(page, f"Error by {name}")
+        assert tuple(shown[20, 40]) == (*SIGNED.colours[25 + share], 255), name
+    assert chosen(page, "Error by model") == {"Error by model of spheres.dusk": ("", "")}
+
+
+def test_a_page_with_switches_says_so(folder, switched):
+    told = "the picture held against each truth has on what that truth has"
+    assert told in Page(switched).text("reading")
+    assert told not in Page(written(folder, both())).text("reading")
+
+
+SHOWN = """
+const choose = (axis, value) => {
+  const input = document.querySelector(`.case input[data-axis=${axis}][value=${value}]`);
+  input.checked = true; input.dispatchEvent(new Event("change", {bubbles: true}));
+};
+for (const technique of ["paper", "best"]) for (const truth of ["direct", "global", "physical"]) {
+  choose("technique", technique); choose("truth", truth);
+  const images = [...document.querySelectorAll(".case figure.candidate img")];
+  out[`${technique} ${truth}`] = images.filter((i) => i.offsetParent).map((i) => i.alt).join();
+}
+"""
+
+
+def test_a_browser_shows_the_picture_that_was_measured(folder, switched):
+    seen = browser.seen(folder / "report.html", SHOWN)
+    named = {"best direct": "best.direct", "best global": "best", "best physical": "best"}
+    for pair, alt in seen.items():
+        assert alt == f"Candidate of spheres.dusk, {named.get(pair, 'paper')}", pair
+    assert len(seen) == 6

@@ -46,6 +46,23 @@ def test_what_built_in_techniques_do_not_draw_is_told_plainly():
     assert causes.OUTSIDE == job.OUTSIDE
 
 
+def test_what_a_technique_draws_by_its_switches_is_told():
+    def told(*switched, **missing):
+        return words(switched=[*switched], missing=missing)
+
+    known = {"occlusion": figure(0.04, 0.02), "interreflection": figure(-0.1, 0.03)}
+    both = "With its switches on, it draws 96 ± 2 % of the shadows and 110 ± 3 % of the light betw"
+    assert both in told("occlusion", "interreflection", **known)
+    assert "draws no" not in told("occlusion", "interreflection", **known)
+    one = told("occlusion", **known | {"interreflection": figure(1, 0)})
+    assert "This technique draws no light between surfaces. With its" in one
+    assert "draws 96 ± 2 % of the shadows, by least squares" in one
+    skew = Figured(value=0.1, low=-0.3, high=0.2)
+    assert "draws 90 −10/+40 % of the shadows" in told("occlusion", occlusion=skew)
+    assert "With its" not in told("occlusion", occlusion=figure(0.1, 0.6))
+    assert "With its" not in told("model", **known)
+
+
 def test_what_an_outside_candidate_lacks_is_told_where_it_is_known():
     def told(**missing):
         return words(technique=causes.OUTSIDE, missing=missing)

@@ -30,6 +30,11 @@ PASSING = {
 RULES = [Budget(technique="paper", truth="global", energy_error=0.05, energy_local=0.1, ssim=0.9)]
 
 
+def as_asked(entry, technique, truth):
+    """The model of a technique that draws no other than the case's."""
+    return entry.case.model
+
+
 def row(**changes):
     fields = {
         "case": "bunnies.courtyard",
@@ -42,6 +47,7 @@ def row(**changes):
         "weight": 1.0,
         "weight_g": 1.0,
         "technique": "paper",
+        "picture": "paper",
         "truth": "global",
     }
     return Row(**(fields | PASSING | changes))
@@ -150,9 +156,9 @@ def test_the_family_counts_every_budgeted_figure_at_every_look():
     entries = expand(suite, path)
     judged = len(entries[0].case.judged)
     # Two techniques with energy_error, energy_local and ssim. 128 samples in batches of 16.
-    assert gate.family_size(suite.budget, entries, suite.reference) == 6 * judged
+    assert gate.family_size(suite.budget, entries, suite.reference, as_asked) == 6 * judged
     longer = suite.reference.model_copy(update={"max_samples": 512})
-    assert gate.family_size(suite.budget, entries, longer) == 18 * judged
+    assert gate.family_size(suite.budget, entries, longer, as_asked) == 18 * judged
 
 
 def test_the_interval_of_local_energy_is_the_root_of_its_squares():

@@ -77,13 +77,15 @@ def row(truth, ssim):
     """A row with a SSIM and nothing else."""
     return Row(
         case="made", scene="made", environment="none", object="thing", material="m",
-        roughness=0.5, metallic=0, weight=1, weight_g=1, technique="paper", truth=truth,
-        ssim=ssim, ssim_se=0.001, ssim_dof=50,
+        roughness=0.5, metallic=0, weight=1, weight_g=1, technique="paper",
+        picture="paper", truth=truth, ssim=ssim, ssim_se=0.001, ssim_dof=50,
     )  # fmt: skip
 
 
-def climbed(drawn, truths):
-    return ladder(CASE, THING, "paper", drawn, truths, [])
+def climbed(drawn, truths, rows=()):
+    """The ladder of one picture for all truths, or of one for each."""
+    by_truth = dict.fromkeys(truths, drawn) if isinstance(drawn, Drawn) else drawn
+    return ladder(CASE, THING, "paper", by_truth, truths, rows)
 
 
 def named(found):
@@ -236,7 +238,7 @@ def test_the_model_is_split_in_its_fixed_order():
 
 def test_steps_of_ssim_start_from_a_perfect_picture():
     rows = [row(t, value) for t, value in zip(RUNGS, (0.95, 0.8, 0.85, 0.83), strict=True)]
-    found = ladder(CASE, THING, "paper", Drawn(TRUTHS["unoccluded"]), traced(), rows)
+    found = climbed(Drawn(TRUTHS["unoccluded"]), traced(), rows)
     steps = [c.ssim.value for c in found.causes]
     assert steps == pytest.approx([-0.05, -0.15, 0.05, -0.02])
     assert found.total.ssim.value == pytest.approx(-0.17)
@@ -278,7 +280,115 @@ def test_local_energy_is_the_rows_where_there_is_no_noise(dark):
         candidate[:BLOCK, :BLOCK, dark] = 4.0
     frames = {r: batches(light, seed=1, noise=0) for r, light in truths.items()}
     candidate = candidate.astype(np.float32)
-    total = ladder(CASE, THING, "paper", Drawn(candidate), frames, []).total.local.value
+    total = climbed(Drawn(candidate), frames).total.local.value
     truth = Truth(CASE, "physical", frames["physical"], {"thing": 1.0})
     figures = compare(CASE, THING, Frame(candidate, IDS), truth, [energy.figures])
     assert total == pytest.approx(figures["energy_local"], rel=1e-9)
+
+
+# A candidate with switches: what is wrong with its picture against each truth.
+WRONGS = {t: blocky(30 + k, 0.05 * (k - 1)) for k, t in enumerate(RUNGS)}
+
+
+def matched(wrongs=WRONGS, specular=None):
+    """A picture for each truth, wrong as said; `specular` is the other lobes' part of it."""
+    wholes = {t: TRUTHS[t] + wrong for t, wrong in wrongs.items()}
+    return {t: Drawn(w, None if specular is None else specular(w)) for t, w in wholes.items()}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_causes_of_a_candidate_with_switches_are_the_steps_of_its_own_errors(seed):
+    found = climbed(matched(), traced(seed=seed))
+    causes, wrongs = named(found), list(WRONGS.values())
+    steps = [wrongs[0], *np.diff(wrongs, axis=0)]
+    error, last, on = wrongs[-1], TRUTHS["physical"], IDS > 0
+    root = np.sqrt(((error / last)[on] ** 2).mean())
+    assert found.switched == ["occlusion", "interreflection", "model"]
+    for name, step in zip(ALL, steps, strict=True):
+        assert holds(causes[name].energy, light(step)), name
+        assert holds(causes[name].local, (step * error / last**2)[on].mean() / root), name
+    assert holds(found.total.energy, light(error)) and holds(found.total.local, root)
+
+
+@pytest.mark.parametrize("rungs", [RUNGS, RUNGS[:3], RUNGS[:2]])
+def test_causes_of_a_candidate_with_switches_sum_to_the_total(rungs):
+    found = climbed(matched(), traced(rungs))
+    assert found.closes
+    for figure in ("energy", "local"):
+        summed = sum(getattr(c, figure).value for c in found.causes)
+        gap = summed - getattr(found.total, figure).value
+        assert getattr(found, f"{figure}_gap").value == pytest.approx(gap, abs=1e-9)
+        assert 0 < abs(gap) < 0.01
+
+
+def test_a_rung_that_the_candidate_draws_right_leaves_no_error_to_the_next():
+    right = dict.fromkeys(RUNGS, 0 * WRONG)
+    for name, cause in named(climbed(matched(right), traced())).items():
+        assert holds(cause.energy, 0), name
+    late = right | {"global": WRONG, "physical": WRONG}
+    causes = named(climbed(matched(late), traced()))
+    assert holds(causes["interreflection"].energy, light(WRONG))
+    for name in ("integration", "occlusion", "model"):
+        assert holds(causes[name].energy, 0), name
+
+
+def test_a_switch_that_changes_nothing_changes_no_cause():
+    picture = TRUTHS["unoccluded"] + WRONG
+    one, apart = Drawn(picture), {t: Drawn(picture.copy()) for t in RUNGS}
+    without, found = climbed(one, traced()), climbed(apart, traced())
+    assert (without.switched, found.switched) == ([], ["occlusion", "interreflection", "model"])
+    for a, b in zip(without.causes, found.causes, strict=True):
+        assert a.energy.value == pytest.approx(b.energy.value, abs=1e-12)
+        assert a.local.value == pytest.approx(b.local.value, abs=1e-12)
+    for figure in found.missing.values():
+        assert (figure.value, figure.low, figure.high) == (1, 1, 1)
+
+
+def test_what_a_switch_draws_is_held_against_what_it_should():
+    """However wrong the rest of the picture is: the fit of a picture alone would be misled."""
+    wholes = [3 * TRUTHS["unoccluded"]]
+    wholes.append(wholes[0] + 0.8 * ADDED["direct"])
+    wholes.append(wholes[1] + 0.6 * ADDED["global"])
+    drawn = {t: Drawn(w) for t, w in zip(RUNGS[:3], wholes, strict=True)}
+    found = climbed(drawn, traced(RUNGS[:3]))
+    for name, share in {"occlusion": 0.2, "interreflection": 0.4}.items():
+        assert holds(found.missing[name], share)
+        assert found.missing[name].high - found.missing[name].low < 0.05
+
+
+def test_a_candidate_with_shadows_alone_lacks_all_light_between_surfaces():
+    shadowed = Drawn(TRUTHS["direct"])
+    drawn = dict.fromkeys(RUNGS, shadowed) | {"unoccluded": Drawn(TRUTHS["unoccluded"])}
+    found = climbed(drawn, traced())
+    assert found.switched == ["occlusion"]
+    assert holds(found.missing["occlusion"], 0) and found.missing["interreflection"].value == 1
+    assert holds(named(found)["interreflection"].energy, -light(ADDED["global"]))
+
+
+def test_diffuse_light_of_a_candidate_with_switches_is_told_apart():
+    """Diffuse light is .3 of every truth, and .4 of every picture."""
+    found = climbed(matched(specular=lambda whole: 0.6 * whole), traced(diffuse=0.3))
+    causes, before = named(found), 0
+    for name, truth in zip(ALL, RUNGS, strict=True):
+        error = 0.4 * (TRUTHS[truth] + WRONGS[truth]) - 0.3 * TRUTHS[truth]
+        assert holds(causes[name].diffuse, light(error - before)), name
+        before = error
+    assert holds(found.total.diffuse, light(before))
+    half = matched(specular=lambda whole: 0.6 * whole)
+    half["direct"] = Drawn(half["direct"].whole)
+    causes = named(climbed(half, traced(diffuse=0.3)))
+    assert [n for n, c in causes.items() if c.diffuse is None] == ["occlusion", "interreflection"]
+
+
+def test_parts_of_the_model_are_what_a_candidate_that_draws_it_is_wrong_by():
+    between = {"Fresnel": blocky(11, -0.05), "kd": blocky(12, 0.04)}
+    truths, light_of = traced(), dict(TRUTHS)
+    for i, (name, added) in enumerate(between.items()):
+        light_of[name] = light_of["global" if not i else "Fresnel"] + added
+        truths[name] = batches(light_of[name], seed=20 + i)
+    wrong = {"global": 0.1, "Fresnel": 0.12, "kd": 0.07, "physical": 0.08}
+    drawn = {t: Drawn(light_of[t] + wrong.get(t, 0.1)) for t in truths}
+    causes = named(climbed(drawn, truths))
+    each = np.ones_like(WRONG)
+    for name, step in {"Fresnel": 0.02, "kd": -0.05, "masking": 0.01, "model": -0.02}.items():
+        assert holds(causes[name].energy, light(step * each)), name

@@ -14,7 +14,7 @@ from reports.compare import Truth, exposures_of
 from reports.limits.detection import draws
 from reports.limits.known_errors import known_errors
 from reports.noise import sidak
-from reports.rows import judged_rows
+from reports.rows import Picture, judged_rows
 from reports.run.job import Job
 from reports.run.limits.alarms import false_alarms
 from reports.run.limits.judging import Gate, Pool
@@ -114,11 +114,12 @@ def test_rows_left_out_would_have_passed_every_set(gate):
         batches = [pool.batches["unoccluded"][k] for k in order[:8]]
         truth = Truth(case, "unoccluded", batches, exposures_of(case, batches))
         rules = judge.job.suite.budget
-        rows = judged_rows(case, truth, {"paper": frame}, {}, rules, judge.job.family)
+        shown = {"paper": Picture("paper", frame, case.model)}
+        rows = judged_rows(case, truth, shown, {}, rules, judge.job.family)
         return max(words[row.verdict] for row in rows)
 
     for size in (0.03, 0.05, 0.053, 0.08):
-        frame = seen.frame(size, 0, "paper")
+        frame = seen.frame(size, 0, "paper", "unoccluded")
         assert list(seen.sets(size, ["paper"])) == [whole(frame, order) for order in orders]
 
 

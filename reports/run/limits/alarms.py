@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from renderer.draw import Renderer
-from renderer.features import Technique, technique
+from renderer.features import Technique
 from reports.limits.detection import CAUGHT, INCONCLUSIVE, share_interval
 from reports.limits.results import FalseAlarms
 from reports.progress import reporting
 from reports.run.limits.judging import VERDICTS, Gate, Place, clearance
+from reports.run.shots import shots
 from scenes.frame import Frame
 
 ASKED = 7.0  # a row that passes by more half widths is left out; see FAR
@@ -56,20 +57,23 @@ def _near(gate: Gate, what: str) -> list[tuple[Place, Frame]]:
     """The rows that are asked, and their pictures: all but those that are far within budgets."""
     near = []
     for number in range(len(gate.pools)):
-        for label, frame in _drawn(gate, number, what).items():
-            rows = gate.budgeted(number, label, frame)
-            near += [(p, frame) for p, row in rows.items() if clearance(row)[0] > -ASKED]
+        for label in gate.pools[number].entry.techniques:
+            frames = _drawn(gate, number, what, label)
+            rows = gate.budgeted(number, label, frames)
+            near += [(p, frames[p.truth]) for p, row in rows.items() if clearance(row)[0] > -ASKED]
     return near
 
 
-def _drawn(gate: Gate, number: int, what: str) -> dict[str, Frame]:
-    """The pictures of a case by technique."""
+def _drawn(gate: Gate, number: int, what: str, label: str) -> dict[str, Frame]:
+    """A technique's pictures of a case by truth."""
     how, kept = HARMLESS[what]
-    entry = gate.pools[number].entry
-    return {
-        label: kept(Renderer(how(technique(label)), repeats=0).render(entry.case))
-        for label in entry.techniques
+    pool = gate.pools[number]
+    against = shots(label, pool.entry.case, pool.truths, repeats=0)
+    pictures = {
+        shot.name: kept(Renderer(how(shot.candidate.technique), repeats=0).render(shot.case))
+        for shot in {shot.name: shot for shot in against.values()}.values()
     }
+    return {truth: pictures[shot.name] for truth, shot in against.items()}
 
 
 def _told(what: str, outcomes: np.ndarray) -> FalseAlarms:

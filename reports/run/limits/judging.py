@@ -2,21 +2,21 @@
 
 import math
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from reference.batches import grow, truth_of
-from reference.settings import FEWEST_BATCHES
+from reference.settings import FEWEST_BATCHES, TRUTHS
 from reference.store import Store
 from reports import gate
 from reports.compare import Truth, exposures_of
 from reports.limits.detection import CAUGHT, INCONCLUSIVE, PASSED
 from reports.progress import reporting
 from reports.results import Row
-from reports.rows import judged_rows
+from reports.rows import Picture, judged_rows
 from reports.run.job import Job
 from scenes.frame import Frame
 from scenes.schema import Case
@@ -41,7 +41,7 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Pool:
-    """The batches of a case: every truth that a budget is held against, and `global`."""
+    """The batches of a case: every truth of its model with a budget, and `global`."""
 
     entry: Entry
     batches: dict[str, list[Frame]]
@@ -49,8 +49,8 @@ class Pool:
 
 
 def pools(job: Job, size: int) -> list[Pool]:
-    """At least `size` batches of every reference that a budget is held against."""
-    judged = {rule.truth for rule in job.suite.budget}
+    """At least `size` batches of every reference of the case's model that has a budget."""
+    judged = {rule.truth for rule in job.suite.budget} & set(TRUTHS["model"])
     entries = [e for e in job.entries if judged & set(e.truths)]
     sampling = job.suite.reference.model_copy(
         update={"max_samples": size * job.suite.reference.samples_per_batch}
@@ -90,26 +90,24 @@ class Gate:
         """One row, judged alone: the others may ask for batches, but undo no verdict."""
         for count in self.looks:
             view = self._view(place.pool, place.object, place.truth, order[:count])
-            (row,) = self._judged(view, {place.technique: frame})
+            row = self._judged(view, place.technique, frame)[0]
             if gate.settled(row):
                 break
         return row
 
-    def budgeted(self, number: int, label: str, frame: Frame) -> dict[Place, Row]:
-        """The rows of a technique that have a budget, by the whole pool."""
+    def budgeted(self, number: int, label: str, frames: Mapping[str, Frame]) -> dict[Place, Row]:
+        """The rows of a technique that have a budget, by the whole pool; `frames` by truth."""
         everything = np.arange(len(self.pools[number].batches["global"]))
-        rows = self._rows(number, {label: frame}, everything)
+        rows = [
+            row
+            for truth, frame in frames.items()
+            for row in self._judged(self._view(number, "", truth, everything), label, frame)
+        ]
         return {Place(number, r.object, label, r.truth): r for r in rows if r.budget}
 
-    def _rows(self, number: int, frames: dict[str, Frame], taken: np.ndarray) -> list[Row]:
-        return [
-            row
-            for truth in self.pools[number].truths
-            for row in self._judged(self._view(number, "", truth, taken), frames)
-        ]
-
-    def _judged(self, view: tuple[Case, Truth], frames: dict[str, Frame]) -> list[Row]:
-        return judged_rows(*view, frames, {}, self.job.suite.budget, self.job.family)
+    def _judged(self, view: tuple[Case, Truth], label: str, frame: Frame) -> list[Row]:
+        shown = {label: Picture(label, frame, view[0].model)}
+        return judged_rows(*view, shown, {}, self.job.suite.budget, self.job.family)
 
     def _view(self, number: int, name: str, truth: str, taken: np.ndarray) -> tuple[Case, Truth]:
         """Some batches as a truth, and its case with one object judged, or all for "".

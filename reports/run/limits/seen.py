@@ -7,15 +7,13 @@ from functools import cache
 
 import numpy as np
 
-from renderer.draw import Renderer
-from renderer.features import technique
 from reports.limits.detection import CAUGHT, INCONCLUSIVE, PASSED, SHARE, Curve, noiseless, traced
 from reports.limits.known_errors import KnownError
 from reports.limits.results import EVERY, Limit, Point
 from reports.results import Row
 from reports.run.limits.judging import FAR, VERDICTS, Gate, Place, clearance
+from reports.run.shots import Shot, shots
 from scenes.frame import Frame
-from scenes.schema import Case
 
 
 class Seen:
@@ -34,14 +32,19 @@ class Seen:
         self.without_noise: dict[str, float | None] = {}
         self.verdicts: dict[tuple[float, Place, int], int] = {}
 
-    def frame(self, size: float, number: int, label: str) -> Frame:
-        """The wrong picture of a case."""
-        if (at := (size, number, label)) not in self.frames:
-            right = self.gate.pools[number].entry.case
+    def frame(self, size: float, number: int, label: str, truth: str) -> Frame:
+        """The wrong picture of a case that stands against a truth."""
+        right = self.gate.pools[number].entry.case
+        shot = shots(label, right, (truth,), repeats=0)[truth]
+        if (at := (size, number, shot.name)) not in self.frames:
             case = self.error.case(right, self.sign * size)
-            drawn = _drawn_right(right, label) if case is right else _drawn(case, label)
+            drawn = _drawn_right(shot) if case is right else _drawn(replace(shot, case=case))
             self.frames[at] = replace(drawn, rgb=self.error.picture(drawn.rgb, self.sign * size))
         return self.frames[at]
+
+    def _against(self, size: float, number: int, label: str) -> dict[str, Frame]:
+        truths = self.gate.pools[number].truths
+        return {truth: self.frame(size, number, label, truth) for truth in truths}
 
     def rows(self, size: float, label: str) -> dict[Place, Row]:
         """Every row of a technique that has a budget, by the whole pool."""
@@ -51,7 +54,7 @@ class Seen:
                 for number, pool in enumerate(self.gate.pools)
                 if label in pool.entry.techniques
                 for place, row in self.gate.budgeted(
-                    number, label, self.frame(size, number, label)
+                    number, label, self._against(size, number, label)
                 ).items()
             }
         return self.screened[at]
@@ -78,7 +81,7 @@ class Seen:
         numbers = np.arange(len(self.orders))[asked]
         outcomes = np.full(len(numbers), PASSED)
         for place in near:
-            frame = self.frame(size, place.pool, place.technique)
+            frame = self.frame(size, place.pool, place.technique, place.truth)
             most = CAUGHT if rows[place] > 0 else INCONCLUSIVE
             for k in np.flatnonzero(outcomes < most):
                 if (at := (size, place, number := numbers[k])) not in self.verdicts:
@@ -132,8 +135,8 @@ class Seen:
         return place, clearance(self.rows(often[0], place.technique)[place])[1]
 
 
-def _drawn(case: Case, label: str) -> Frame:
-    return Renderer(technique(label), repeats=0).render(case)
+def _drawn(shot: Shot) -> Frame:
+    return shot.candidate.render(shot.case)
 
 
 _drawn_right = cache(_drawn)  # for errors of the picture alone
