@@ -15,7 +15,7 @@ from renderer.transport.visibility import SEEN, SIDE, Visibility
 from scenes.schema import PRIMITIVES, Case, file_digest
 
 MOST_BYTES = 4 << 30  # beyond it the bakes that were longest not used go
-VERSION = 5  # raised when the same scene would be baked otherwise
+VERSION = 6  # raised when the same scene would be baked otherwise
 
 
 def folder() -> Path:

@@ -13,6 +13,7 @@ SIDE = 32  # cells of the octahedral map that has a bit each
 SEEN = 8  # and of the coarser one that names what is seen
 PER_SEEN = (SIDE // SEEN) ** 2  # fine cells in a coarse one; they follow one another
 CHUNK = 1024  # vertices traced together
+JUST_BELOW, JUST_ABOVE = 0.1, 0.01  # cosines: how far below the horizon, and from where on
 LIFT = 1e-4  # of the scene's size: how far rays start from the surface
 FLUX = 1 / 2040  # in the middle of a face of the octahedron a coarse cell's share is .106
 WITNESSES = 4  # vertices that stand for what blocks a coarse direction
@@ -46,7 +47,7 @@ class Visibility:
 
 
 def bake(objects: list[Tessellation]) -> Visibility:
-    """Trace every vertex's half of the directions; those below its horizon are blocked.
+    """Trace every vertex's half of the directions; those well below its horizon are blocked.
 
     Raises:
         InputError: there are more vertices than a witness can name.
@@ -76,8 +77,13 @@ def _traced(
     rays: Rays, starts: np.ndarray, normals: np.ndarray, corners: np.ndarray, facing: np.ndarray
 ) -> tuple[np.ndarray, ...]:
     directions = cell_directions(SIDE, SEEN)
-    who, where = np.nonzero(normals @ directions.T > 0)
-    d = directions[where].astype(np.float32)
+    cosines = normals @ directions.T
+    who, where = np.nonzero(cosines > -JUST_BELOW)
+    # What lies across the horizon is asked just above it: a cell there is half above, and pixels
+    # between vertices have horizons of their own.
+    lift = np.maximum(JUST_ABOVE - cosines[who, where], 0)[:, None]
+    d = (directions[where] + lift * normals[who]).astype(np.float32)
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
     hits = rays.first(starts[who].astype(np.float32), d)
     free = np.zeros((len(starts), SIDE * SIDE), bool)
     free[who, where] = hits.triangle < 0
@@ -88,7 +94,7 @@ def _traced(
     nearest = np.argmax(np.stack([1 - u - v, u, v], axis=1), axis=1)
     corner = corners[triangle, nearest].astype(np.uint32)
     clear = np.logical_and.reduce([free[:, near] for near in cells_around(SIDE, SEEN).T])
-    flux = _flux(free, normals @ directions.T)
+    flux = _flux(free, cosines)
     return _words(free), _words(clear), flux, *_seen(len(starts), who, where, front, corner)
 
 

@@ -61,9 +61,9 @@ def test_every_mutant_by_rule_differs_from_its_line_and_from_the_others():
 
 def test_a_choice_has_every_file_and_every_rule_and_is_the_same_every_time():
     every = patches(RENDERER)
-    drawn = chosen(every, 100, 5)
-    assert len(drawn) == 100
-    assert drawn == chosen(every, 100, 5) != chosen(every, 100, 6)
+    drawn = chosen(every, 150, 5)
+    assert len(drawn) == 150
+    assert drawn == chosen(every, 150, 5) != chosen(every, 150, 6)
     assert {p.file for p in drawn} == {p.file for p in every}
     assert {p.rule for p in drawn} == {p.rule for p in every}
 

@@ -80,7 +80,7 @@ def test_the_renderer_as_it_is_conforms(name):
         ("shade_filtered.glsl", "L += lights(", "L += 0.0 * lights(", "filtered light"),
         ("light_visibility.glsl", "return 1.0;", "return 0.5;", "filtered light"),
         ("lights.glsl", "+ 1.0, 0.0, 1.0)", "+ 3.0, 0.0, 1.0)", "filtered light"),
-        ("incoming.glsl", "radiance_uv(wi_world)", "radiance_uv(-wi_world)", "filtered light"),
+        ("environment.glsl", "radiance_uv(world)", "radiance_uv(-world)", "filtered light"),
         ("view_frame.glsl", "cross(y, n), y, n)", "cross(y, n), n, y)", "filtered light"),
         ("blurred.frag", "2.0 - x : 1.0", "1.0 : 1.0", "blurred levels"),
         ("blurred.frag", "SPREAD = 0.25", "SPREAD = 0.4", "blurred levels"),

@@ -83,7 +83,7 @@ def of_taken_out(environment: Environment) -> list[Conformance]:
     whole, left = (angles @ x.reshape(-1, 3).astype(float) for x in (radiance, rest))
     stored = texels_of(made.maps["lights_map"])[1, :, :3].astype(float).sum(axis=0)
     found.append(measured("power of lights", relative(left + stored, whole), environment.name))
-    for level in LEVELS:
+    for level in (x for x in LEVELS if max(height, width) >> x):
         texels = texels_of(made.maps["blurred_map"], level)[..., :3]
         rng = np.random.default_rng(level)
         rows, columns = (rng.integers(0, n, PLACES) for n in texels.shape[:2])
@@ -128,10 +128,20 @@ def of_filtered_light(
         UNIFORMS,
     )[:, :3]
     level = next(x for x in levels_of(made.maps) if x.shape[1] <= SUMMED)
-    theirs = _summed(level, len(texels_of(made.maps[BASE])), turn, n, v)
+    height = len(texels_of(made.maps[BASE]))
+    if level.shape[1] < SUMMED // 2:  # a small map, whose texels are wider than the lobe
+        level, height = _finer(Light(level)), SUMMED // 2
+    theirs = _summed(level, height, turn, n, v)
     theirs = theirs(material, model)
     place = f"{material.name}, roughness {material.roughness:g}, in {environment.name}"
     return [measured("filtered light", relative(ours, theirs), place)]
+
+
+def _finer(light: Light) -> np.ndarray:
+    """A map of SUMMED columns, (SUMMED / 2, SUMMED, 3), of the same light."""
+    rows, columns = np.indices((SUMMED // 2, SUMMED)).reshape(2, -1)
+    uv = np.stack([(columns + 0.5) / SUMMED, rows / (SUMMED // 2 - 1)], 1)
+    return light.at(direction(uv)).reshape(SUMMED // 2, SUMMED, 3)
 
 
 def _summed(level: np.ndarray, height: int, turn: float, n: np.ndarray, v: np.ndarray):
