@@ -153,11 +153,6 @@ class Technique:
         """How many sets of directions a drawn pixel may have, one for each coverage sample."""
         return max(self.msaa, 1)
 
-    @property
-    def samples_per_set(self) -> int:
-        """Directions in each of them."""
-        return -(-self.samples // (self.supersample**2 * self.sets))
-
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
         if self.samples:

@@ -6,6 +6,11 @@
 #define LOST_LIGHT
 #endif
 
+// Light that comes back from everywhere: diffuse, or off a second facet.
+#if defined(DIFFUSE) || defined(MULTISCATTER)
+#define COSINE
+#endif
+
 // A cosine below this is rounding (6e-8 of a dot product), and 1 / (n.wi n.wo) would leave float32.
 const float HORIZON = 1e-9;
 

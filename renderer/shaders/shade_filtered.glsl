@@ -23,7 +23,7 @@ uniform float light_sharers; // how many such pixels make one of the picture
 float filtered_density(vec3 wi, vec3 wo, Material m, ivec2 count) {
     vec3 h = normalize(wi + wo);
     float density = float(count.x) * pdf_visible_ggx(h, wo, m.alpha);
-#ifdef DIFFUSE
+#ifdef COSINE
     density += float(count.y) * wi.z * INV_PI;
 #endif
     return density;
@@ -61,7 +61,7 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
         vec3 h = sample_visible_ggx(spiral(i, count.x, set, sets), wo, m.alpha);
         L += filtered_sample(reflect(-wo, h), wo, to_world, m, count, sharers);
     }
-#ifdef DIFFUSE
+#ifdef COSINE
     for (int i = 0; i < count.y; ++i) {
         vec3 wi = sample_cosine(spiral(i, count.y, set, sets));
         L += filtered_sample(wi, wo, to_world, m, count, sharers);

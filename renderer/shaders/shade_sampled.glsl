@@ -1,4 +1,4 @@
-#include "brdf.glsl"
+#include "density.glsl"
 #include "radiance.glsl"
 #include "picture.glsl"
 #include "frame.glsl"
@@ -7,37 +7,11 @@
 #include "sample_beckmann.glsl"
 #include "sample_cosine.glsl"
 
-// Light that comes back from everywhere: diffuse, or off a second facet.
-#if defined(DIFFUSE) || defined(MULTISCATTER)
-#define COSINE
-#endif
-
 // The model's exact BRDF over sampled directions with filtered look-ups. Each lobe has its own
 // share of the samples; the balance heuristic (Veach and Guibas 1995) joins them without bias.
 uniform ivec3 pixel_samples; // GGX, Beckmann, cosine, where a pixel has one shading point
 uniform ivec3 set_samples;   // and for each shading point where it has more
 uniform float light_sharers; // how many such pixels make one of the picture; huge for no filter
-
-float pdf_half_vector(float D, vec3 h, float wo_h) {
-    return D * h.z / (4.0 * wo_h);
-}
-
-// Density of all samples together, per steradian; integrates to their number.
-float sample_density(vec3 wi, vec3 wo, Material m, ivec3 count) {
-    float wo_h = 0.5 * length(wi + wo); // as in brdf.glsl: f and density err alike and cancel
-    vec3 h = (wi + wo) / (2.0 * wo_h);
-    float density = 0.0;
-#ifdef D_GGX
-    density += float(count.x) * pdf_half_vector(D_ggx(h, m.alpha), h, wo_h);
-#endif
-#ifdef D_BECKMANN
-    density += float(count.y) * pdf_half_vector(D_beckmann(h, m.alpha), h, wo_h);
-#endif
-#ifdef COSINE
-    density += float(count.z) * wi.z * INV_PI;
-#endif
-    return density;
-}
 
 vec3 incident(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec3 count, float sharers) {
     if (wi.z <= 0.0) return vec3(0.0);

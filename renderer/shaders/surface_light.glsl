@@ -1,4 +1,3 @@
-#include "brdf.glsl"
 #include "density.glsl"
 #include "frame.glsl"
 #include "here.glsl"
@@ -38,11 +37,21 @@ Material material_of(int object) {
     return m;
 }
 
-// The share of diffuse light that leaves towards v, 1 - F(h.wi) averaged over wi by its cosine.
-vec3 diffuse_share(vec3 f0, float cos_theta) {
-    // (1 - h.wi)^5 averages to .028 (1 - n.v)^3, within .0014.
-    float m = 1.0 - cos_theta;
-    return (1.0 - f0) * (1.0 - 0.028 * m * m * m);
+// The share of a surface's irradiance, over its albedo, that leaves towards v as diffuse light: what
+// the model's kd makes of even light.
+vec3 diffuse_share(Material m, float cos_theta) {
+#if defined(KD_INTERFACE)
+    return vec3(dot(lost_light_at(cos_theta).xy, m.weight_d)); // the factors' mean is 1
+#elif defined(KD_CONSERVING)
+    // The mean of the other factor: Gauss-Legendre over cosine squared.
+    const vec3 COS = vec3(0.3357106870, 0.7071067812, 0.9419651451), SHARE = vec3(5.0, 8.0, 5.0) / 18.0;
+    mat3 at = mat3(lost_light_at(COS.x).rgb, lost_light_at(COS.y).rgb, lost_light_at(COS.z).rgb);
+    return lost_light_at(cos_theta).rgb * (at * SHARE);
+#else
+    // 1 - F(h.wi) averaged: (1 - h.wi)^5 averages to .028 (1 - n.v)^3, within .0014.
+    float away = 1.0 - cos_theta;
+    return one_minus_fresnel(m, 1.0) * (1.0 - 0.028 * away * away * away);
+#endif
 }
 
 // Direction i of those that the lobes share out by `count`.
@@ -79,7 +88,7 @@ vec3 surface_light(vec3 v, int object, int few, int observer, int observers, flo
     float cos_theta = dot(n, v);
     if (cos_theta <= 0.0) return vec3(0.0);
     Material m = material_of(object);
-    vec3 L = diffuse_share(m.f0, cos_theta) * m.albedo * INV_PI * E;
+    vec3 L = diffuse_share(m, cos_theta) * m.albedo * INV_PI * E;
     m.albedo = vec3(0.0);
     mat3 to_world = tangent_frame(n);
     vec3 wo = v * to_world;

@@ -36,11 +36,12 @@ void meet_triangle(int slot, vec3 origin, vec3 direction, inout Hit hit) {
     }
 }
 
-Hit trace(vec3 origin, vec3 direction) {
+// The first hit or, if `any` will do, one of them.
+Hit trace(vec3 origin, vec3 direction, bool any) {
     Hit hit = Hit(FAR, -1, vec3(0.0), false);
     vec3 inverse = 1.0 / direction;
     int node = 0, end = int(texelFetch(bvh_nodes, ivec2(0), 0).w);
-    while (node < end) {
+    while (node < end && !(any && hit.triangle >= 0)) {
         vec4 low = texelFetch(bvh_nodes, row_texel(2 * node), 0);
         vec4 high = texelFetch(bvh_nodes, row_texel(2 * node + 1), 0);
         if (!meets(low.xyz, high.xyz, origin, inverse, hit.t)) {
@@ -52,4 +53,8 @@ Hit trace(vec3 origin, vec3 direction) {
         ++node;
     }
     return hit;
+}
+
+bool blocked(vec3 origin, vec3 direction) {
+    return trace(origin, direction, true).triangle >= 0;
 }

@@ -1,12 +1,17 @@
 """What surfaces do to one another's light: baked, traced, exchanged."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
 
+from renderer.context import context
 from renderer.draw import Renderer
 from renderer.features import technique
-from renderer.probe import probe
+from renderer.precompute import precomputed
+from renderer.probe import brdf_values, probe
+from renderer.shading import Shading
 from renderer.transport import stored
 from renderer.transport.bvh import LEAF, build
 from renderer.transport.directions import cell_directions, cell_shares, cells_around
@@ -14,7 +19,15 @@ from renderer.transport.rays import Rays
 from renderer.transport.scene import _loaded, _tree, scene_geometry
 from renderer.transport.tessellation import Tessellation, tessellate
 from renderer.transport.visibility import FLUX, NOBODY, PER_SEEN, SEEN, SIDE, VERTEX, bake
-from scenes.schema import Camera, Material
+from scenes.schema import Camera, Material, Model
+
+
+def precomputed_maps(case):
+    """All maps that `best` reads of a case's environment."""
+    made = precomputed(case.environment.path)
+    made.need(technique("best").reads)
+    return made.maps
+
 
 WHITE = Material(albedo=(1.0, 1.0, 1.0), f0=0.0, roughness=0.5, metallic=0.0)
 GREY = Material(albedo=(0.5, 0.5, 0.5), f0=0.0, roughness=0.5, metallic=0.0)
@@ -156,12 +169,18 @@ def test_rays_hit_in_the_shader_what_they_hit_in_embree(count):
         np.arange(3 * count).reshape(-1, 3),
     )
     hits = Rays([mesh], np.zeros(3)).first(origins, directions)
-    expression = "vec4(trace(o.xyz, d.xyz).triangle, trace(o.xyz, d.xyz).weights.yz, 0.0)"
+    declared = "vec4 found(Hit h, bool any) { return vec4(h.triangle, h.weights.yz, any); }"
+    expression = "found(trace(o.xyz, d.xyz, false), blocked(o.xyz, d.xyz))"
     found = probe(
-        expression, {"o": origins, "d": directions}, ("trace.glsl",), maps=_tree(triangles)
+        expression,
+        {"o": origins, "d": directions},
+        ("trace.glsl",),
+        declarations=declared,
+        maps=_tree(triangles),
     )
     same = found[:, 0] == hits.triangle
     assert same.mean() > 0.999  # an edge may go to either side
+    assert ((found[:, 3] > 0) == (hits.triangle >= 0)).mean() > 0.999
     hit = same & (hits.triangle >= 0)
     assert hit.any()
     # Triangles seen edge on say little of where they are hit.
@@ -173,17 +192,112 @@ def test_every_triangle_stands_in_one_leaf():
     held = tree.order[tree.order >= 0]
     assert sorted(held) == list(range(700))
     assert len(tree.nodes) == 2 * len(tree.order) // LEAF - 1
+    assert np.isfinite(tree.nodes).all()  # a box at infinity is met by rays that go there
 
 
-def test_a_white_bowl_in_a_furnace_vanishes(light, make_case, bowl):
-    """Light that the bowl keeps from itself it gives back to itself."""
-    case = make_case(light(1.0), (bowl, WHITE, {}), camera=ABOVE, size=(96, 72))
-    shown = {n: Renderer(technique(n), repeats=0).render(case) for n in ("shadowed", "best")}
-    inside = shown["best"].ids > 0
-    assert shown["shadowed"].rgb[inside].min() < 0.6
-    # Seen flat on, Schlick's rim is over 1; deep inside some light is still under way.
-    assert np.median(shown["best"].rgb[inside]) == pytest.approx(1, abs=0.03)
-    assert np.percentile(shown["best"].rgb[inside], 1) > 0.8
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
+def test_a_white_bowl_in_a_furnace_vanishes(light, make_case, bowl, metallic):
+    """Light that the bowl keeps from itself it gives back to itself: nothing of it is lost."""
+    white = Material(
+        albedo=(1.0, 1.0, 1.0), roughness=0.7, metallic=metallic, metal=[1.0, 1.0, 1.0]
+    )
+    case = make_case(light(1.0), (bowl, white, {}), camera=ABOVE, size=(96, 72))
+    whole = Model(masking="smith", kd="conserving", multiscatter="on")
+    case = case.model_copy(update={"model": whole})
+    shown = {
+        n: Renderer(technique(n), repeats=0).render(case) for n in ("filtered", "shadowed", "best")
+    }
+    seen = shown["best"].ids > 0
+    assert shown["filtered"].rgb[seen].mean() == pytest.approx(1, abs=0.005)
+    # Away from the rim, whose smoothed normals lean: what is sampled below the surface is black.
+    deep = seen & (shown["shadowed"].rgb[..., 0] < 0.7)
+    assert deep.sum() > 300
+    assert shown["best"].rgb[deep].mean() == pytest.approx(1, abs=0.03)
+
+
+def integrated_diffuse(material, model, cosines):
+    """The diffuse lobe's albedo towards each cosine, over its own albedo of 1."""
+    u, v = (np.mgrid[:96, :192].reshape(2, -1) + 0.5) / [[96], [192]]
+    z, phi = np.sqrt(u), 2 * np.pi * v
+    wi = np.stack([np.sqrt(1 - u) * np.cos(phi), np.sqrt(1 - u) * np.sin(phi), z], axis=1)
+    black = material.model_copy(update={"albedo": (1e-6,) * 3})
+    found = []
+    for c in cosines:
+        wo = np.tile([np.sqrt(1 - c * c), 0, c], (len(wi), 1))
+        # Under every kd but `conserving` the rest of the BRDF does not know of the albedo.
+        f = brdf_values(material, wi, wo, model) - brdf_values(black, wi, wo, model)
+        found.append(np.pi * f.mean(axis=0))
+    return np.array(found)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        Model(),
+        Model(fresnel="f82"),
+        Model(fresnel="exact", kd="interface", masking="smith"),
+        Model(kd="conserving", masking="smith"),
+    ],
+    ids=lambda m: f"{m.fresnel} {m.kd}",
+)
+def test_what_a_surface_sends_another_is_what_its_diffuse_lobe_does(light, make_case, model):
+    material = Material(albedo=(1.0, 1.0, 1.0), f0=0.1, roughness=0.6, metallic=0.0)
+    case = make_case(light(1.0), ("sphere", material, {})).model_copy(update={"model": model})
+    shading = Shading(technique("best"), case)
+    cosines = np.array([0.15, 0.4, 0.7, 0.99])
+    found = probe(
+        "vec4(diffuse_share(material_of(0), c.x), 0.0)",
+        {"c": cosines},
+        ("surface_light.glsl",),
+        shading.any_material,
+        maps=shading.material_maps,
+    )[:, :3]
+    np.testing.assert_allclose(found, integrated_diffuse(material, model, cosines), rtol=6e-3)
+
+
+def test_a_vertex_gets_what_shines_on_it(light, make_case):
+    """A floor under a sky with one bright patch, which lies between the directions looked at."""
+    v, u = np.mgrid[:64, :128] + 0.5
+    sky = (1.5 - v / 64) + 20 * np.exp(-((v - 18) ** 2 + (u - 80) ** 2) / 16)
+    case = make_case(light(sky[..., None] * np.ones(3)), ("plane", GREY, {}), camera=ABOVE)
+    prepared = Renderer(technique("best")).prepare(case, precomputed_maps(case))
+    texels = np.frombuffer(prepared.draws[0].maps["irradiance"].read(), np.float32)
+    floor = texels.reshape(-1, 4)[: len(tessellate(case)[0].vertices), :3]
+    polar = np.linspace(0, np.pi / 2, 20_001)
+    middle = (polar[1:] + polar[:-1]) / 2
+    rows = np.interp(middle / np.pi * 63, np.arange(64), sky.mean(axis=1))
+    truth = 2 * np.pi * (rows * np.cos(middle) * np.sin(middle)).sum() * (polar[1] - polar[0])
+    np.testing.assert_allclose(floor, truth, rtol=0.01)
+
+
+def test_a_small_sun_casts_a_sharp_shadow(light, make_case):
+    sky = np.full((256, 512, 3), 0.01)
+    sky[30, 100] = 8e5
+    ball = ("sphere", GREY, {"scale": 0.3, "position": (0, 0, 1.0)})
+    plate = ("plane", WHITE, {"scale": 4.0})
+    case = make_case(light(sky), ball, plate, camera=ABOVE, size=(192, 144))
+    lit = Renderer(replace(technique("shadowed"), msaa=0), repeats=0).render(case)
+    seen = lit.rgb[lit.ids == 2][:, 0]
+    assert seen.min() < 0.05 * np.median(seen)
+    between = (seen > 0.2 * np.median(seen)) & (seen < 0.8 * np.median(seen))
+    assert between.sum() < 10 < (seen < 0.2 * np.median(seen)).sum()
+
+
+def test_a_pixel_knows_where_in_its_triangle_it_lies():
+    corners = np.array([[0, 5, 0], [1, 5, 0], [0, 5, 1]], np.float32)
+    texel = np.zeros((1, 4096, 4), np.float32)
+    texel[0, :3, :3] = corners
+    positions = context().texture((4096, 1), 4, texel.tobytes(), dtype="f4")
+    weights = np.array([[0.2, 0.3, 0.5], [0.6, 0.3, 0.1], [1.2, -0.1, -0.1]])
+    found = probe(
+        "vec4(weights_at(uvec3(0u, 1u, 2u), ray.xyz), 0.0)",
+        {"ray": weights @ corners},
+        ("place.glsl",),
+        uniforms={"eye": (0.0, 0.0, 0.0)},
+        maps={"positions": positions},
+    )[:, :3]
+    weights[2] = 1, 0, 0  # beside the triangle: moved in
+    np.testing.assert_allclose(found, weights, atol=1e-6)
 
 
 def test_what_nothing_stands_around_is_drawn_as_without_occlusion(light, make_case, copper):

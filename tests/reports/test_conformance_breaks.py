@@ -38,7 +38,7 @@ def test_half_of_the_diffuse_samples_density_is_missed(broken, plastic):
         return found.passed
 
     assert holds()
-    broken("shade_sampled.glsl", "wi.z * INV_PI", "0.5 * wi.z * INV_PI")
+    broken("density.glsl", "wi.z * INV_PI", "0.5 * wi.z * INV_PI")
     assert not holds()
 
 

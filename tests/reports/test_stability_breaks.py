@@ -37,7 +37,7 @@ def test_a_wrong_power_is_seen_by_mitsubas_own_plugin_too(broken):
 
 
 def test_a_wrong_jacobian_is_seen_in_the_density(broken):
-    broken("shade_sampled.glsl", "(4.0 * wo_h)", "(2.0 * wo_h)")
+    broken("density.glsl", "(4.0 * wo_h)", "(2.0 * wo_h)")
     assert "sample_density pdf against Mitsuba" in failed(stock_maps())
 
 
@@ -54,7 +54,7 @@ TERMS = [
     ("masking_vcavity.glsl", "2.0 * h.z", "h.z", "G_vcavity"),
     ("mixture.glsl", "weight.x * G_smith", "weight.y * G_smith", "G_mixture"),
     ("fresnel_schlick.glsl", "m2 * m2 * m", "m2 * m2", "F_schlick"),
-    ("shade_sampled.glsl", "wi.z * INV_PI", "wi.z", "sample_density"),
+    ("density.glsl", "wi.z * INV_PI", "wi.z", "sample_density"),
     ("sample_ggx.glsl", "alpha * alpha * u.x", "alpha * u.x", "sample_ggx"),
     ("sample_beckmann.glsl", "-log(max", "-0.999 * log(max", "sample_beckmann"),
     ("sample_cosine.glsl", "sqrt(1.0 - u.x)", "1.0 - u.x", "sample_cosine"),
@@ -69,7 +69,7 @@ def test_a_fault_in_a_term_is_seen(broken, file, right, wrong, seen):
         "beckmann": terms.ndfs,
         "masking": terms.maskings,
         "fresnel": lambda: [terms.fresnel()],
-        "shade": lambda: [terms.density()],
+        "density": lambda: [terms.density()],
         "sample": terms.samplers,
         "mixture": lambda: [*terms.ndfs(), *terms.maskings()],
     }

@@ -53,7 +53,7 @@ def of_filtered_samples(material: Material, how: Technique) -> list[Conformance]
     made = probe(call, {"u": u, "wo": wo}, ("sample_visible_ggx.glsl",))[:, :3]
     off = np.abs(made - oracle.sampled_visible_ggx(u, wo, alpha)).max()
     found.append(measured("samples", off, f"sample_visible_ggx, alpha {alpha:.3g}"))
-    ggx, beckmann, cosine = split_samples(material, how.samples_per_set * how.sets)
+    ggx, beckmann, cosine = split_samples(material, how.per_set(material) * how.sets)
     wi, wo = directions(alpha)
     ours = probe(
         f"vec4(filtered_density(wi.xyz, wo.xyz, {MATERIAL}, ivec2({ggx + beckmann}, {cosine})))",
