@@ -96,7 +96,9 @@ def read_pixels(path: Path, field: str, size: tuple[int, int] | None = None) -> 
 
 
 def _read(path: Path, field: str, size: tuple[int, int] | None) -> np.ndarray:
-    image = oiio.ImageInput.open(str(path))
+    as_stored = oiio.ImageSpec()
+    as_stored.attribute("oiio:UnassociatedAlpha", 1)  # colours are not multiplied by alpha
+    image = oiio.ImageInput.open(str(path), as_stored)
     if image is None:
         oiio.geterror()  # told in our words: the library's are for programmers
         raise InputError(path, field, f"cannot be read ({_why(path)})", "export it again")

@@ -30,9 +30,10 @@ Vector = tuple[Finite, Finite, Finite]
 Coordinate = Annotated[float, Field(ge=-1e15, le=1e15, allow_inf_nan=False, strict=True)]
 Place = tuple[Coordinate, Coordinate, Coordinate]  # squares stay inside float32
 
-PRIMITIVES = ("sphere", "plane")
+PRIMITIVES = ("sphere", "plane", "globe", "cylinder")
 # Rays are float32, told apart by 2^-24 of their length: so they hit within a 256th of a pixel.
 LEAST_PIXEL = 2.0**-16  # radians
+VERTEX = "vertex"  # in place of a map's path: what the vertices carry under the map's name
 COSINE_82 = 1 / 7  # where F82 is given: Lazanyi and Szirmay-Kalos 2005
 ALPHA_MIN = 1e-4  # Mitsuba's microfacet plugins floor alpha here, so both sides do.
 
@@ -132,12 +133,49 @@ def _ggx_share(value: Any) -> Any:
 Weight = Annotated[Unit, BeforeValidator(_ggx_share)]
 
 
+class Maps(Strict):
+    """What varies over a mesh: each a picture's absolute path, or "vertex" for what vertices carry.
+
+    A value is the material's number times what the map holds, as in glTF 2.0, 3.9.2. `normal`
+    turns the normal instead, by a picture. `repeat` multiplies texture coordinates.
+    """
+
+    albedo: str | None = None
+    roughness: str | None = None
+    metallic: str | None = None
+    weight: str | None = None
+    normal: str | None = None
+    repeat: Annotated[float, Field(gt=0, le=1024, allow_inf_nan=False, strict=True)] = 1.0
+
+    @model_validator(mode="after")
+    def _normals_are_a_picture(self) -> Maps:
+        if self.normal == VERTEX:
+            raise ValueError("vertices carry no normal map; give normal = a picture's path")
+        return self
+
+    @property
+    def given(self) -> dict[str, str]:
+        """The maps that there are, by their names."""
+        names = [n for n in type(self).model_fields if n != "repeat"]
+        return {n: v for n in names if (v := getattr(self, n)) is not None}
+
+    @property
+    def pictures(self) -> dict[str, Path]:
+        """Those of them that are pictures."""
+        return {n: Path(v) for n, v in self.given.items() if v != VERTEX}
+
+
 class Material(Strict):
     """A surface by albedo, roughness, metallic, F0 and its mixture of two microfacet lobes.
 
     `roughness` is the artist's perceptual parameter; the microfacet width is alpha = roughness²
     (Burley 2012). `weight` is the share of GGX in D, `weight_g` that of its masking in G; the
     rest is Beckmann. `metallic` between 0 and 1 mixes F0 and diffuse albedo linearly.
+
+    `anisotropy` a stretches the facets' slopes along the tangent, from 0 to 1 (below 0 across it),
+    by OpenPBR 1.1, "Microfacet model": alpha_x = alpha sqrt(2 / (1 + (1 - a)²)) and
+    alpha_y = (1 - a) alpha_x, so that the mean of their squares stays alpha². `rotation` turns the
+    tangent about the normal, in degrees, counter-clockwise as seen from outside.
     """
 
     name: str = ""
@@ -150,12 +188,16 @@ class Material(Strict):
     metal: Metal | None = None
     weight: Weight = 1.0
     weight_g: Weight | None = None
+    anisotropy: Annotated[float, Field(ge=-1, le=1, allow_inf_nan=False, strict=True)] = 0.0
+    rotation: Degrees = 0.0
+    maps: Maps = Maps()
 
     @model_validator(mode="after")
     def _parts_are_given(self) -> Material:
         if self.metallic > 0 and self.metal is None:
             raise ValueError("metallic > 0 without a metal; add metal = a name or its F0 [r, g, b]")
-        if self.metallic < 1 and "albedo" not in self.model_fields_set:
+        partly = self.metallic < 1 or self.maps.metallic is not None
+        if partly and "albedo" not in self.model_fields_set:
             raise ValueError("metallic < 1 without an albedo; add albedo = [r, g, b]")
         return self
 
@@ -163,6 +205,26 @@ class Material(Strict):
     def alpha(self) -> float:
         """Microfacet width, floored at ALPHA_MIN."""
         return max(self.roughness**2, ALPHA_MIN)
+
+    @property
+    def stretch(self) -> tuple[float, float]:
+        """alpha_x and alpha_y over alpha."""
+        narrow = 1 - abs(self.anisotropy)
+        wide = math.sqrt(2 / (1 + narrow**2))
+        along, across = wide, narrow * wide
+        return (along, across) if self.anisotropy >= 0 else (across, along)
+
+    @property
+    def alphas(self) -> tuple[float, float]:
+        """Microfacet width along and across the tangent, floored at ALPHA_MIN."""
+        if self.anisotropy == 0:
+            return self.alpha, self.alpha
+        return tuple(max(self.roughness**2 * s, ALPHA_MIN) for s in self.stretch)
+
+    @property
+    def varies(self) -> bool:
+        """Whether it takes more than one number a parameter: it has a direction, or maps."""
+        return self.anisotropy != 0 or bool(self.maps.given)
 
     @property
     def masking_weight(self) -> float:
@@ -316,7 +378,8 @@ class Environment(Strict):
 class Object(Strict):
     """One mesh with one material.
 
-    `mesh` is a primitive ("sphere" of radius 1, "plane" of side 1 in z = 0) or an absolute path.
+    `mesh` is a primitive ("sphere" of radius 1; "plane" of side 1 in z = 0; "globe", a sphere with
+    texture coordinates; "cylinder" of radius 1 and height 2 about z) or an absolute path.
     It is scaled by `scale`, turned by `rotate` (degrees about x, then y, then z) and moved to
     `position`; with `height` it is instead scaled to that height and set with the middle of its
     base on `position`.

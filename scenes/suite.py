@@ -14,6 +14,7 @@ from scenes.mesh import FORMATS as MESH_FORMATS
 from scenes.schema import (
     PAPER,
     PRIMITIVES,
+    VERTEX,
     Camera,
     Case,
     Degrees,
@@ -31,6 +32,7 @@ from scenes.schema import (
     file_safe,
     unique_names,
 )
+from scenes.texture import FORMATS as TEXTURE_FORMATS
 
 HERE = Path(__file__).resolve().parent
 Truth = Literal["unoccluded", "direct", "global", "physical", "physical-smith"]
@@ -329,7 +331,8 @@ def _object(
         if crossed:
             use, home, named_at = crossed, suite_path, crossing
     found = find(use, HERE / "materials", (".toml",), home.parent, home, named_at)
-    raw = read_toml(found)
+    raw = _with_maps(read_toml(found), found, "")
+    table = _with_maps(table, scene_path, f"{field}.material.")
     parse(Material, {**raw, "name": found.stem}, found)  # even a mistake that is overridden
     if "weight" in changes:
         raw.pop("weight_g", None)  # a sweep of the weight moves D and G together
@@ -342,3 +345,18 @@ def _object(
         mesh = str(find(mesh, shelf, MESH_FORMATS, home, scene_path, at, PRIMITIVES))
     fields = entry.model_dump(exclude={"material", "mesh", "fixed"})
     return parse(Object, {**fields, "mesh": mesh, "material": material}, scene_path)
+
+
+def _with_maps(table: dict[str, Any], path: Path, at: str) -> dict[str, Any]:
+    """A material's table with the pictures of its maps by absolute path."""
+    maps = table.get("maps")
+    if not isinstance(maps, dict):
+        return table  # what it is instead is told by the schema
+    shelf = HERE / "textures"
+    placed = {
+        name: str(find(value, shelf, TEXTURE_FORMATS, path.parent, path, f"{at}maps.{name}"))
+        if isinstance(value, str) and value != VERTEX
+        else value
+        for name, value in maps.items()
+    }
+    return table | {"maps": placed}

@@ -39,7 +39,7 @@ IN_SCENE = [
     (MATERIAL, changed("roughness = true"), "roughness", "give a number"),
     (MATERIAL, changed('albedo = ["0.2", 0, 0]'), "albedo.0", "give a number"),
     (MATERIAL, changed("f0 = true"), "f0", "give a name, a number or [r, g, b]"),
-    ('mesh = "sphere"', 'mesh = "sphre"', "object.0.mesh", "sphere, plane, bunny"),
+    ('mesh = "sphere"', 'mesh = "sphre"', "object.0.mesh", "sphere, plane, globe, cylinder, bunny"),
     ('mesh = "sphere"', 'mesh = "none.ply"', "object.0.mesh", "a path starts at"),
     ('mesh = "sphere"', 'mesh = "a\\nb"', "object.0.mesh", "use one of"),
     ('mesh = "sphere"', 'mesh = "\\u0000.ply"', "object.0.mesh", "a path starts at"),

@@ -57,6 +57,9 @@ EVERY_FIELD = {
         "metal": [0.5, 0.5, 0.5],
         "weight": 0.5,
         "weight_g": [0.5, 0.5],
+        "anisotropy": 0.5,
+        "rotation": 30,
+        "maps": {"roughness": "vertex", "repeat": 2},
     },
 }
 WRONG = ["word", "", True, 3, -3, 10**9, 2.5, float("nan"), float("inf"), datetime.date.today()]
