@@ -10,8 +10,9 @@ from typing import Any
 HERE = Path(__file__).resolve().parent
 # What turns the inputs into a picture; a change in any of these is another maker.
 SOURCES = ("mixture.py", "physical.py", "scene_dict.py", "truths.py", "transport.py", "settings.py")
-SOURCES += ("caustics.py", "energy.py", "sampling.py")
+SOURCES += ("caustics.py", "energy.py", "sampling.py", "varying.py", "anisotropic.py")
 SOURCES += ("../scenes/mesh.py", "../scenes/environment.py")
+SOURCES += ("../scenes/surface.py", "../scenes/tangents.py", "../scenes/texture.py")
 PACKAGES = ("mitsuba", "drjit")
 
 

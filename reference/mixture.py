@@ -58,6 +58,7 @@ together. Parameters are opaque to Dr.Jit, so that a compiled kernel serves ever
 model, and weights at their ends, switch code.
 """
 
+import sys
 from functools import lru_cache
 
 import drjit as dr
@@ -75,7 +76,12 @@ GLOSSY, DIFFUSE = mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection
 
 
 class Mixture(mi.BSDF):
-    """The plugin. Mitsuba's wi looks to the eye and wo to the light; f is symmetric in them."""
+    """The plugin. Mitsuba's wi looks to the eye and wo to the light; f is symmetric in them.
+
+    `facets` is the module that has D, projected areas and visible normals.
+    """
+
+    facets = sys.modules[__name__]
 
     def __init__(self, props: mi.Properties) -> None:
         super().__init__(props)
@@ -144,15 +150,16 @@ class Mixture(mi.BSDF):
         f, density = mi.Color3f(0), mi.Float(0)
         lost = self._lost(wi) * self._lost(wo) if self.lost else None
         if glossy:
-            ggx = D_ggx(h, self.alpha) if self.has["ggx"] else 0
-            beckmann = D_beckmann(h, self.alpha) if self.has["beckmann"] else 0
+            ggx = self.facets.D_ggx(h, self.alpha) if self.has["ggx"] else 0
+            beckmann = self.facets.D_beckmann(h, self.alpha) if self.has["beckmann"] else 0
             D = self.weight * ggx + self.rest * beckmann
             f += F * (D * self._masking_over_cosines(wi, wo, h, wi_h))
             # D G1(wi) / (4 n.wi), by Heitz 2014, eq. 17 and the Jacobian 1 / (4 wi.h)
             if self.has["ggx"]:
-                density += share_ggx * ggx / (4 * projected_area_ggx(wi, self.alpha))
+                density += share_ggx * ggx / (4 * self.facets.projected_area_ggx(wi, self.alpha))
             if self.has["beckmann"]:
-                density += share_beckmann * beckmann / (4 * projected_area_beckmann(wi, self.alpha))
+                area = self.facets.projected_area_beckmann(wi, self.alpha)
+                density += share_beckmann * beckmann / (4 * area)
         if glossy and self.multiscatter:
             f += self.back * (lost.w * dr.inv_pi)
         f_cos = f * wo.z
@@ -175,11 +182,15 @@ class Mixture(mi.BSDF):
         wo = mi.warp.square_to_cosine_hemisphere(sample2)
         if glossy and self.has["ggx"]:
             wo = dr.select(
-                sample1 < share_ggx, mi.reflect(wi, visible_ggx(wi, sample2, self.alpha)), wo
+                sample1 < share_ggx,
+                mi.reflect(wi, self.facets.visible_ggx(wi, sample2, self.alpha)),
+                wo,
             )
         if glossy and self.has["beckmann"]:
             chosen = (sample1 >= share_ggx) & (sample1 < share_ggx + share_beckmann)
-            wo = dr.select(chosen, mi.reflect(wi, visible_beckmann(wi, sample2, self.alpha)), wo)
+            wo = dr.select(
+                chosen, mi.reflect(wi, self.facets.visible_beckmann(wi, sample2, self.alpha)), wo
+            )
         value, density = self.eval_pdf(ctx, si, wo, active & (wi.z > 0))
         # The cosine lobe serves light off many facets too: glossy, if only that is asked for.
         drawn_diffuse = (sample1 >= share_ggx + share_beckmann) if diffuse else mi.Bool(False)
@@ -281,7 +292,9 @@ class Mixture(mi.BSDF):
             return 1 / (4 * self._projected_area(wi) * self._projected_area(wo))
         total = mi.Float(0)
         if self.has["masking_ggx"]:
-            area = projected_area_ggx(wi, self.alpha) * projected_area_ggx(wo, self.alpha)
+            area = self.facets.projected_area_ggx(wi, self.alpha) * self.facets.projected_area_ggx(
+                wo, self.alpha
+            )
             total += self.weight_g / (4 * area)
         if self.has["masking_beckmann"]:
             low, high = dr.minimum(wi.z, wo.z), dr.maximum(wi.z, wo.z)
@@ -293,9 +306,9 @@ class Mixture(mi.BSDF):
         """n.w / G1(w) of the mixed facets: their areas add up, which makes G1 a harmonic mean."""
         area = mi.Float(0)
         if self.has["masking_ggx"]:
-            area += self.weight_g * projected_area_ggx(w, self.alpha)
+            area += self.weight_g * self.facets.projected_area_ggx(w, self.alpha)
         if self.has["masking_beckmann"]:
-            area += self.rest_g * projected_area_beckmann(w, self.alpha)
+            area += self.rest_g * self.facets.projected_area_beckmann(w, self.alpha)
         return area
 
 

@@ -5,6 +5,7 @@
   eta becomes its mean (a note says by how much F0 then differs, where it does). Its diffuse
   reflectance is the albedo of the layer below; `solve_reflectance` finds the one with which the
   surface, seen from outside, has the material's albedo.
+- Anisotropy is the `alpha_u` and `alpha_v` of `roughconductor`, along u of the mesh.
 - metallic between 0 and 1 is a `blendbsdf` of the two, and so is the mixture of the two NDFs by
   its weight in D. The weight in G is ignored: each NDF keeps its own Smith masking.
 """
@@ -16,6 +17,7 @@ import numpy as np
 
 from reference.variant import mitsuba
 from scenes.errors import InputError
+from scenes.mesh import load_mesh
 from scenes.schema import Material, Object, Optics
 
 mi = mitsuba()
@@ -29,9 +31,11 @@ def physical_bsdf(obj: Object) -> tuple[dict, list[str]]:
 
     Raises:
         InputError: a metal is given by its F0 alone, or a dielectric has an F0 of 1, so that eta
-            and k are unknown.
+            and k are unknown; or no stock plugin is like the material.
     """
     material = obj.material
+    if material.varies:
+        _check_stock(obj)
     if material.metallic > 0:
         named_metal(obj)
     if material.metallic < 1:
@@ -44,6 +48,18 @@ def physical_bsdf(obj: Object) -> tuple[dict, list[str]]:
         layered = plastic(material, distribution) if material.metallic < 1 else None
         patches[distribution] = blend(layered, metal, material.metallic)
     return blend(patches.get("beckmann"), patches.get("ggx"), material.weight), eta_notes(obj)
+
+
+def _check_stock(obj: Object) -> None:
+    """Refuse what no stock plugin has: maps, turned tangents, and plastic with a direction."""
+    material = obj.material
+    stock = material.metallic == 1 and not material.maps.given and material.rotation == 0
+    if not stock or "uv" not in load_mesh(obj.mesh).carried:
+        problem = (
+            "Mitsuba's own materials have anisotropy in bare metals along u alone, and no maps"
+        )
+        remedy = "leave the truth `physical` out"
+        raise InputError(f"object '{obj.name}'", "material", problem, remedy)
 
 
 def named_metal(obj: Object) -> Optics:
@@ -95,10 +111,12 @@ def blend(first: dict | None, second: dict | None, weight: float) -> dict:
 
 
 def _metal(material: Material, distribution: str) -> dict:
+    along, across = material.alphas
+    width = {"alpha": along} if along == across else {"alpha_u": along, "alpha_v": across}
     return {
         "type": "roughconductor",
         "distribution": distribution,
-        "alpha": material.alpha,
+        **width,
         "eta": {"type": "rgb", "value": list(material.metal.eta)},
         "k": {"type": "rgb", "value": list(material.metal.k)},
     }

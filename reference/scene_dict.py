@@ -3,12 +3,15 @@
 import drjit as dr
 import numpy as np
 
-import reference.mixture  # noqa: F401  registers the plugin `mixture`
+import reference.mixture
+import reference.varying  # noqa: F401  registers the plugin `varying`
 from reference.physical import eta_notes, named_metal, one_eta, physical_bsdf, plastic
 from reference.variant import mitsuba
 from scenes.environment import load_environment
+from scenes.errors import InputError
 from scenes.mesh import Mesh, world_mesh
-from scenes.schema import Camera, Case, Environment, Model, Object
+from scenes.schema import VERTEX, Camera, Case, Environment, Model, Object
+from scenes.surface import Surface, has_direction, surface
 
 mi = mitsuba()
 
@@ -36,7 +39,10 @@ def build_scene(case: Case, physical: bool = False) -> tuple[mi.Scene, list[str]
         else:
             bsdf, remarks = model_bsdf(obj, case.model)
         notes += remarks
-        scene[shape_id(number)] = mesh(placed[number], bsdf, shape_id(number))
+        name, carried = shape_id(number), dict(surface(obj).carried)
+        if physical and obj.material.anisotropy:  # stock plugins find the direction of u themselves
+            carried["uv"] = placed[number].carried["uv"]
+        scene[name] = mesh(placed[number], bsdf, name, carried)
     # Without `optimize`, shapes stay as they are, one per object, and can be told apart.
     return mi.load_dict(scene, optimize=False), notes
 
@@ -53,6 +59,8 @@ def model_bsdf(obj: Object, model: Model) -> tuple[dict, list[str]]:
         InputError: the model needs eta and k of a material that is given by its F0 alone.
     """
     material = obj.material
+    if material.varies:
+        return _varying(obj, model)
     bsdf = {
         "type": "mixture",
         **model.model_dump(),
@@ -76,14 +84,90 @@ def model_bsdf(obj: Object, model: Model) -> tuple[dict, list[str]]:
     return bsdf, eta_notes(obj)
 
 
-def mesh(source: Mesh, bsdf: dict, name: str) -> mi.Mesh:
-    """Triangles in world space, with the given normal at each vertex."""
+def _varying(obj: Object, model: Model) -> tuple[dict, list[str]]:
+    """The same for a material with a direction or with maps.
+
+    Raises:
+        InputError: too, the model needs a table or a layer that knows but one width.
+    """
+    material, found = obj.material, surface(obj)
+    partly = material.metallic < 1 or material.maps.metallic is not None
+    lit = partly and max(material.albedo) > 0
+    if model.multiscatter != "off" or (model.kd != "one-minus-fresnel" and lit):
+        problem = "anisotropy and maps go with kd = 'one-minus-fresnel' and multiscatter = 'off'"
+        raise InputError(f"object '{obj.name}'", "material", problem, "change the model")
+    along, across = material.stretch
+    bsdf = {
+        "type": "varying",
+        **model.model_dump(include={"fresnel", "kd", "masking"}),
+        "albedo": list(material.albedo) if lit else [0, 0, 0],
+        "alpha": material.alpha,
+        "roughness": material.roughness,
+        "stretch_x": along,
+        "stretch_y": across,
+        "rotation": float(np.radians(material.rotation)),
+        "directed": has_direction(material),
+        "follows": material.weight_g is None,
+        "weight": material.weight,
+        "weight_g": material.masking_weight,
+        "metallic": material.metallic,
+        **_textures(obj, found),
+    }
+    if model.fresnel != "exact":
+        parts = {"": 0.0, "metal_": 1.0 if material.metal else 0.0}
+        for prefix, metallic in parts.items():
+            part = material.model_copy(update={"metallic": metallic})
+            bsdf[f"{prefix}f0"] = list(part.specular_f0)
+            if model.fresnel == "f82":
+                bsdf[f"{prefix}f82"] = list(part.specular_f82)
+        return bsdf, []
+    if material.metallic > 0:
+        metal = named_metal(obj)
+        bsdf |= {"metal_eta": list(metal.eta), "metal_k": list(metal.k)}
+    if partly:
+        bsdf["eta"] = one_eta(obj)
+    return bsdf, eta_notes(obj)
+
+
+def _textures(obj: Object, found: Surface) -> dict[str, dict]:
+    """A material's maps as textures: pictures are bilinear and repeat."""
+    textures = {}
+    for name, value in obj.material.maps.given.items():
+        if value == VERTEX:
+            textures[f"{name}_map"] = {"type": "mesh_attribute", "name": f"vertex_{name}"}
+            continue
+        texels = found.textures[name]
+        if name == "normal":  # Mitsuba knows no texture of two channels
+            texels = np.concatenate([texels, 0 * texels[..., :1]], axis=2)
+        textures[f"{name}_map"] = {
+            "type": "bitmap",
+            "bitmap": mi.Bitmap(np.ascontiguousarray(texels)),
+            "raw": True,
+        }
+    return textures
+
+
+def mesh(source: Mesh, bsdf: dict, name: str, carried: dict[str, np.ndarray]) -> mi.Mesh:
+    """Triangles in world space, with the given normal at each vertex, and what else it carries."""
     props = mi.Properties()
     props["bsdf"] = mi.load_dict(bsdf)
     shape = mi.Mesh(
-        name, len(source.vertices), len(source.faces), props=props, has_vertex_normals=True
+        name,
+        len(source.vertices),
+        len(source.faces),
+        props=props,
+        has_vertex_normals=True,
+        has_vertex_texcoords="uv" in carried,
     )
+    for which, values in carried.items():
+        if which == "tangent":
+            shape.add_attribute("vertex_tangent", 3, values[:, :3].ravel())
+            shape.add_attribute("vertex_side", 1, values[:, 3].ravel())
+        elif which != "uv":
+            shape.add_attribute(f"vertex_{which}", values.shape[1], values.ravel())
     params = mi.traverse(shape)
+    if "uv" in carried:
+        params["vertex_texcoords"] = carried["uv"].ravel()
     params["vertex_positions"] = source.vertices.ravel()
     params["vertex_normals"] = source.normals.ravel()
     params["faces"] = source.faces.ravel()

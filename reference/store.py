@@ -37,6 +37,7 @@ from scenes.frame import Frame, load_frame, save_frame, write_text
 from scenes.mesh import load_mesh
 from scenes.schema import Case, Material, Model, Object
 from scenes.suite import Sampling
+from scenes.surface import surface
 
 BLESSED = "blessed"
 CUT_OFF = 3600  # seconds after which an unfinished write is nobody's any more
@@ -345,10 +346,26 @@ def _arrays_digest(*arrays: np.ndarray) -> str:
 
 
 def _object(obj: Object, kind: Kind, model: Model) -> dict[str, Any]:
-    return {
+    content = {
         "mesh": _mesh_digest(obj.mesh),
         "placement": obj.model_dump(include={"position", "rotate", "scale", "height"}),
         "material": _optics(obj.material, kind, model),
+    }
+    return content | ({"varies": _varying(obj)} if obj.material.varies else {})
+
+
+def _varying(obj: Object) -> dict[str, Any]:
+    """What a material with a direction or maps adds to its numbers."""
+    found, material = surface(obj), obj.material
+    return {
+        "stretch": material.stretch,
+        "rotation": material.rotation,
+        "albedo": material.albedo,
+        "metallic": material.metallic,
+        "f0": [o.f0 if o else None for o in (material.f0, material.metal)],
+        "follows": material.weight_g is None,
+        "maps": {n: _arrays_digest(a) for n, a in found.textures.items()},
+        "vertices": {n: _arrays_digest(a) for n, a in found.carried.items()},
     }
 
 
