@@ -17,7 +17,8 @@ from renderer.program import Maps, program
 from renderer.shading import Shading
 from renderer.targets import Rectangle, make_target, within
 from renderer.transport.exchange import exchange
-from renderer.transport.scene import SceneGeometry, scene_geometry
+from renderer.transport.placed import Placed, placed_meshes
+from renderer.transport.scene import scene_geometry
 from renderer.view import View, covered, view
 from scenes.frame import Frame
 from scenes.schema import Case, Object
@@ -45,9 +46,10 @@ class Renderer:
         stand apart in `provenance`.
 
         Raises:
-            ValueError: the technique cannot draw the case's model.
+            ValueError: the technique cannot draw the case's model or materials.
+            InputError: a material's map cannot be used.
         """
-        if what := self.technique.cannot_draw(case.model):
+        if what := self.technique.cannot_draw(case.model, [o.material for o in case.objects]):
             raise ValueError(f"'{self.technique.name}' cannot draw {what}")
         environment = precomputed(case.environment.path)
         read = {m for o in case.objects for m in self.technique.maps(o.material, case.model)}
@@ -78,7 +80,7 @@ class Renderer:
     def prepare(self, case: Case, maps: Maps, part: Rectangle | None = None) -> Prepared:
         """Compile (or find) the shaders, gather the uniforms and make the target."""
         camera, turn = view(case), case.environment.rotation / 360
-        geometry = scene_geometry(case) if self.technique.occlusion else None
+        geometry = self._geometry(case)
         scale = self.technique.supersample
         size = (case.width * scale, case.height * scale)
         part = tuple(scale * n for n in part or (0, 0, case.width, case.height))
@@ -97,10 +99,9 @@ class Renderer:
         precomputation = shading.seconds
         if geometry:
             maps = maps | geometry.maps
-            frame |= {
-                "eye": camera.eye - geometry.middle,
-                "ray_offset": RAY_OFFSET * geometry.size,
-            }
+            frame["eye"] = camera.eye - geometry.middle
+        if self.technique.occlusion:
+            frame["ray_offset"] = RAY_OFFSET * geometry.size
         if self.technique.interreflection:
             made = exchange(geometry, frame, maps, shading.any_material)
             maps, precomputation = maps | made.maps, precomputation + made.seconds
@@ -114,6 +115,12 @@ class Renderer:
         rays = frame | {"pixel_area": _pixel_area(camera, case)}
         return Prepared(draws, background, rays, maps, target, precomputation)
 
+    def _geometry(self, case: Case) -> Placed | None:
+        """The scene's triangles, baked, or as they are where a material varies over them."""
+        if self.technique.occlusion:
+            return scene_geometry(case)
+        return placed_meshes(case) if any(o.material.varies for o in case.objects) else None
+
     def _draw(
         self,
         obj: Object,
@@ -123,7 +130,7 @@ class Renderer:
         part: Rectangle,
         frame: dict[str, Any],
         maps: Maps,
-        geometry: SceneGeometry | None,
+        geometry: Placed | None,
     ) -> Draw:
         number = shading.case.index(obj.name)
         if geometry:
@@ -132,10 +139,10 @@ class Renderer:
             raster = program("mesh.vert", "surface.frag")
             array, where = vertex_array(obj.mesh, raster), placed(obj, camera)
         sides = {"ANTIALIASED"} if self.technique.msaa else set()
-        sides |= {"PLACED"} if geometry else set()
-        shader = shading.program(obj.material, frozenset(sides))
+        sides |= {"PLACED"} if self.technique.occlusion or obj.material.varies else set()
+        shader = shading.program(obj, frozenset(sides))
         uniforms = frame | where | shading.uniforms(obj) | {"number": number}
-        maps = shading.maps(obj.material, maps)
+        maps = shading.maps(obj, maps)
         touched = within(covered((obj,), camera, size), part)
         return Draw(array, raster, shader, uniforms, maps, culled(obj, camera), touched)
 

@@ -7,10 +7,11 @@ that have it.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
-from scenes.schema import PAPER, Material, Model
+from scenes.schema import PAPER, VERTEX, Material, Model
+from scenes.surface import has_direction
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,18 @@ class Feature:
     split: tuple[str, ...] = ()
 
 
+def _some_beckmann(m: Material) -> bool:
+    return m.weight < 1 or m.maps.weight is not None
+
+
+def _some_diffuse(m: Material) -> bool:
+    return max(m.albedo) > 0 and _some_dielectric(m)
+
+
+def _some_dielectric(m: Material) -> bool:
+    return m.metallic < 1 or m.maps.metallic is not None
+
+
 LOBES = (
     Feature(
         "D_GGX",
@@ -42,19 +55,40 @@ LOBES = (
     ),
     Feature(
         "D_BECKMANN",
-        lambda m: m.weight < 1,
+        _some_beckmann,
         ("prefiltered_beckmann",),
         ("table_beckmann",),
         ("lobe_beckmann", "albedo_beckmann", "towards_beckmann"),
     ),
     Feature("G_GGX", lambda m: m.masking_weight > 0),
-    Feature("G_BECKMANN", lambda m: m.masking_weight < 1),
-    Feature(
-        "DIFFUSE",
-        lambda m: max(m.diffuse_albedo) > 0,
-        ("irradiance_map",),
-        split=("irradiance_exact",),
-    ),
+    Feature("G_BECKMANN", lambda m: m.masking_weight < 1 or _follows(m)),
+    Feature("DIFFUSE", _some_diffuse, ("irradiance_map",), split=("irradiance_exact",)),
+)
+
+
+def _follows(m: Material) -> bool:
+    """Whether the weight in G varies with that in D."""
+    return m.maps.weight is not None and m.weight_g is None
+
+
+def _by_vertex(m: Material, *names: str) -> bool:
+    return any(m.maps.given.get(n) == VERTEX for n in names)
+
+
+# What a material with a direction or maps adds; see shaders/vary.glsl.
+VARYING = (
+    Feature("VARIES", lambda m: m.varies),
+    Feature("DIRECTED", has_direction),
+    Feature("TEXTURED", lambda m: bool(m.maps.pictures)),
+    Feature("VERTEX_ALBEDO", lambda m: _by_vertex(m, "albedo")),
+    Feature("VERTEX_NUMBERS", lambda m: _by_vertex(m, "roughness", "metallic", "weight")),
+    Feature("MAP_ALBEDO", lambda m: "albedo" in m.maps.pictures),
+    Feature("MAP_ROUGHNESS", lambda m: "roughness" in m.maps.pictures),
+    Feature("MAP_METALLIC", lambda m: "metallic" in m.maps.pictures),
+    Feature("MAP_WEIGHT", lambda m: "weight" in m.maps.pictures),
+    Feature("MAP_NORMAL", lambda m: "normal" in m.maps.pictures),
+    Feature("VARIES_WEIGHT", lambda m: m.maps.weight is not None),
+    Feature("MASKING_FOLLOWS", _follows),
 )
 
 # What a model adds, by the material that needs it.
@@ -62,9 +96,9 @@ MODELS: dict[str, Callable[[Material, Model], bool]] = {
     "MASKING_SMITH": lambda _, model: model.masking == "smith",
     "FRESNEL_F82": lambda _, model: model.fresnel == "f82",
     "FRESNEL_METAL": lambda m, model: model.fresnel == "exact" and m.metallic > 0,
-    "FRESNEL_DIELECTRIC": lambda m, model: model.fresnel == "exact" and m.metallic < 1,
-    "KD_INTERFACE": lambda m, model: model.kd == "interface" and max(m.diffuse_albedo) > 0,
-    "KD_CONSERVING": lambda m, model: model.kd == "conserving" and max(m.diffuse_albedo) > 0,
+    "FRESNEL_DIELECTRIC": lambda m, model: model.fresnel == "exact" and _some_dielectric(m),
+    "KD_INTERFACE": lambda m, model: model.kd == "interface" and _some_diffuse(m),
+    "KD_CONSERVING": lambda m, model: model.kd == "conserving" and _some_diffuse(m),
     "MULTISCATTER": lambda _, model: model.multiscatter == "on",
 }
 LOST_LIGHT = {"KD_INTERFACE", "KD_CONSERVING", "MULTISCATTER"}  # these read a table
@@ -168,11 +202,26 @@ class Technique:
         """Whether each material has a table of its own: `smith` is not linear in the weights."""
         return not self.samples and model.masking == "smith"
 
-    def cannot_draw(self, model: Model) -> str:
-        """What of a model this technique cannot draw, in one line; empty if it can draw all."""
+    def cannot_draw(self, model: Model, materials: Iterable[Material] = ()) -> str:
+        """What of a model and materials it cannot draw, in one line; empty if it can draw all."""
         draws = {} if self.samples else SPLIT_SUM_DRAWS
         fields = [f for f, drawn in draws.items() if getattr(model, f) not in drawn]
-        return ", ".join(f"{f} = '{getattr(model, f)}'" for f in fields)
+        told = [f"{f} = '{getattr(model, f)}'" for f in fields]
+        varying = [m for m in materials if m.varies]
+        if not self.samples:
+            # Its maps are of round lobes; tables under `smith`, and `split`'s, of one width each.
+            told += ["anisotropy"] * any(m.anisotropy != 0 for m in varying)
+            one_width = self.own_table(model) or self.split
+            told += ["maps with this masking"] * (one_width and any(m.maps.given for m in varying))
+        elif any(features(m, model) & LOST_LIGHT for m in varying):
+            told.append("anisotropy or maps with this kd or multiscatter")
+        return ", ".join(told)
+
+    def features(self, material: Material, model: Model = PAPER) -> frozenset[str]:
+        """The names of the features that a material needs, and of those forced."""
+        needed = features(material, model, self.diffuse, self.forced)
+        # A normal map's variance has a direction, which only samples can follow.
+        return needed | ({"ANISOTROPIC"} if self.samples and has_direction(material) else set())
 
 
 LIT = ("blurred_map", "lights_map")  # the environment and its lights, apart
@@ -231,7 +280,7 @@ def features(
     material: Material, model: Model = PAPER, diffuse: bool = True, forced: tuple[str, ...] = ()
 ) -> frozenset[str]:
     """The names of the features that a material needs under a model, and of those forced."""
-    needed = {f.name for f in LOBES if f.needed(material)} | set(forced)
+    needed = {f.name for f in LOBES + VARYING if f.needed(material)} | set(forced)
     needed |= {name for name, asked in MODELS.items() if asked(material, model)}
     if not diffuse:
         needed.add("SPECULAR_LIGHT")  # the lobe stays, or its share of the samples would go

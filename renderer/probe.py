@@ -94,14 +94,19 @@ def brdf_values(
 ) -> np.ndarray:
     """The renderer's f(wi, wo) without the cosine, (n, 3), for unit directions (n, 3), n = +z.
 
+    x is along the tangent, and maps count as 1.
+
     Raises:
         ValueError: the model needs an eta that the material does not have.
     """
+    material = material.model_copy(update={"maps": type(material.maps)()})
     defines = features(material, model)
     uniforms, maps = surface_uniforms(material, model), {}
     if defines & LOST_LIGHT:
         lost = lost_light(material, model)
         uniforms["multiscatter"], maps["lost_light"] = lost.multiscatter, lost.texture
+    if material.anisotropy != 0:
+        defines, uniforms["alpha"] = defines | {"ANISOTROPIC"}, material.alphas
     return probe(
         "vec4(brdf(wi.xyz, wo.xyz, drawn_material()), 0.0)",
         {"wi": wi, "wo": wo},

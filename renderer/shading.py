@@ -1,6 +1,6 @@
 """How a technique shades the materials of a case: programs, and what they are told."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -9,13 +9,15 @@ import numpy as np
 
 from renderer.context import context
 from renderer.features import FINE, LOST_LIGHT, Technique, features, split_samples
+from renderer.precompute import texture
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.lost_light import LostLight, lost_light
 from renderer.precompute.prefilter import LEVELS
 from renderer.precompute.split import LAYERS
 from renderer.program import Maps, program
-from renderer.surface import material_rows, surface_uniforms
+from renderer.surface import material_rows, surface_uniforms, varying_uniforms
 from scenes.schema import Case, Material, Object
+from scenes.surface import finest_alpha, plain
 
 INTERREFLECTION = frozenset({"INTERREFLECTION"})
 
@@ -37,8 +39,8 @@ class Shading:
         """Of each object what its specular lobe does not send back, where the model asks."""
         model = self.case.model
         return [
-            lost_light(o.material, model) if features(o.material, model) & LOST_LIGHT else None
-            for o in self.case.objects
+            lost_light(m, model) if features(m, model) & LOST_LIGHT else None
+            for m in map(plain, self.case.objects)
         ]
 
     @property
@@ -46,19 +48,21 @@ class Shading:
         """What the tables of the materials took to make."""
         own = {lost for lost in self.lost if lost}
         if self.technique.own_table(self.case.model):
-            own |= {smith_table(o.material) for o in self.case.objects}
+            own |= {smith_table(plain(o)) for o in self.case.objects}
         return sum(table.seconds for table in own)
 
     @property
     def any_material(self) -> frozenset[str]:
         """The features that any of the materials needs, for what reflects others."""
-        each = (self._features(o.material) for o in self.case.objects)
+        each = (self._features(plain(o)) for o in self.case.objects)
         return INTERREFLECTION.union(*each)
 
-    def program(self, material: Material, sides: frozenset[str]) -> moderngl.Program:
-        """The program surface_shade.frag for a material; `sides` are features of the target."""
-        how = self.technique
-        defines = self._features(material) | frozenset(how.forced) | sides
+    def program(self, obj: Object, sides: frozenset[str]) -> moderngl.Program:
+        """The program surface_shade.frag for an object; `sides` are features of the target."""
+        how, material = self.technique, plain(obj)
+        defines = self._features(obj.material) | frozenset(how.forced) | sides
+        if obj.material.varies and texture.paired(obj):
+            defines |= {"PAIRED"}
         if how.interreflection:
             defines |= self.any_material if how.traces(material) else INTERREFLECTION
         incoming = how.incoming(material)
@@ -66,9 +70,13 @@ class Shading:
 
     def uniforms(self, obj: Object) -> dict[str, Any]:
         """What the program is told of an object's surface."""
-        how, material, model = self.technique, obj.material, self.case.model
+        how, material, model = self.technique, plain(obj), self.case.model
         index = self.case.index(obj.name) - 1
         own = {"drawn_row": (index + 0.5) / len(self.case.objects)}
+        own["finest_alpha"] = finest_alpha(obj)
+        if obj.material.varies:
+            directed = "ANISOTROPIC" in self._features(obj.material)
+            own |= varying_uniforms(obj.material, directed)
         if lost := self.lost[index]:
             own["multiscatter"] = lost.multiscatter
         return (
@@ -84,11 +92,13 @@ class Shading:
             }
         )
 
-    def maps(self, material: Material, maps: Maps) -> Maps:
-        """The maps that shading a material reads, out of all that there are."""
+    def maps(self, obj: Object, maps: Maps) -> Maps:
+        """The maps that shading an object reads, its own and out of all that there are."""
         how = self.technique
+        if obj.material.varies:
+            maps = maps | texture.make(obj)
         if how.own_table(self.case.model):
-            maps = maps | {"table_smith": smith_table(material).texture}
+            maps = maps | {"table_smith": smith_table(plain(obj)).texture}
         return maps | {n: maps[f"{n}{FINE}"] for n in how.fine if f"{n}{FINE}" in maps}
 
     @cached_property
@@ -97,7 +107,7 @@ class Shading:
         made, count = {}, len(self.case.objects)
         if self.technique.interreflection:
             back = [lost.multiscatter if lost else (0.0,) * 3 for lost in self.lost]
-            told = [o.material for o in self.case.objects]
+            told = [plain(o) for o in self.case.objects]
             pairs = zip(told, back, strict=True)
             rows = np.stack([material_rows(m, self.case.model, b) for m, b in pairs])
             size = (rows.shape[1], count)
@@ -113,5 +123,6 @@ class Shading:
         return made
 
     def _features(self, material: Material) -> frozenset[str]:
-        defines = features(material, self.case.model, self.technique.diffuse)
+        how = self.technique
+        defines = replace(how, forced=()).features(material, self.case.model)
         return defines | {"LIGHTS"} if self.lit else defines

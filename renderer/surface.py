@@ -1,5 +1,6 @@
 """What the shaders are told of a material: its uniforms, under a model."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -47,3 +48,21 @@ def material_rows(
     rows[4, :3], rows[5, :3] = told.get("metal_eta", 1), told.get("metal_k", 0)
     rows[6, :3] = multiscatter
     return rows
+
+
+def varying_uniforms(material: Material, directed: bool) -> dict[str, Any]:
+    """The numbers of shaders/vary.glsl; with two widths where lobes have a direction."""
+    turn = math.radians(material.rotation)
+    metal = material.metal or material.f0
+    return {
+        "base_albedo": material.albedo,
+        "base_roughness": material.roughness,
+        "base_metallic": material.metallic,
+        "base_weight": material.weight,
+        "dielectric_f0": material.f0.f0,
+        "metal_f0": metal.f0,
+        "dielectric_f82": material.model_copy(update={"metallic": 0.0}).specular_f82,
+        "metal_f82": material.model_copy(update={"metallic": 1.0}).specular_f82,
+        "stretch": material.stretch if directed else 1.0,
+        "tangent_turn": (math.cos(turn), math.sin(turn)),
+    }

@@ -42,22 +42,22 @@ def pyramid(radiance: np.ndarray) -> list[np.ndarray]:
     levels = [np.asarray(radiance, np.float32)]
     while max(levels[-1].shape[:2]) > 1:
         below = levels[-1]
-        rows = _overlap(below.shape[0], max(below.shape[0] // 2, 1)) @ diags_array(weights)
+        rows = overlap(below.shape[0], max(below.shape[0] // 2, 1)) @ diags_array(weights)
         weights = rows.sum(axis=1)
-        halved = _averaged(rows, below)
-        columns = _overlap(below.shape[1], max(below.shape[1] // 2, 1))
-        levels.append(_averaged(columns, halved.swapaxes(0, 1)).swapaxes(0, 1).astype(np.float32))
+        halved = averaged(rows, below)
+        columns = overlap(below.shape[1], max(below.shape[1] // 2, 1))
+        levels.append(averaged(columns, halved.swapaxes(0, 1)).swapaxes(0, 1).astype(np.float32))
     return levels
 
 
-def _averaged(overlap: csr_array, cells: np.ndarray) -> np.ndarray:
-    """Means (m, ...) of cells (n, ...), weighted by an overlap (m, n)."""
-    weights = np.maximum(overlap.sum(axis=1), 1e-30)
-    sums = overlap @ cells.reshape(len(cells), -1)
+def averaged(shares: csr_array, cells: np.ndarray) -> np.ndarray:
+    """Means (m, ...) of cells (n, ...), weighted by shares (m, n)."""
+    weights = np.maximum(shares.sum(axis=1), 1e-30)
+    sums = shares @ cells.reshape(len(cells), -1)
     return (sums / weights[:, None]).reshape(-1, *cells.shape[1:])
 
 
-def _overlap(fine: int, coarse: int) -> csr_array:
+def overlap(fine: int, coarse: int) -> csr_array:
     """How much of each fine cell lies in each coarse cell, (coarse, fine), in fine cells."""
     edges = np.union1d(np.arange(fine + 1), np.linspace(0, fine, coarse + 1))
     middle = (edges[1:] + edges[:-1]) / 2  # of the pieces between edges of either kind

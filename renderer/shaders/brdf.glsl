@@ -1,6 +1,9 @@
 #include "mixture.glsl"
 #include "fresnel.glsl"
 #include "material.glsl"
+#ifdef MAP_NORMAL
+#include "mapped_masking.glsl"
+#endif
 #if defined(KD_INTERFACE) || defined(KD_CONSERVING) || defined(MULTISCATTER)
 #include "lost_light.glsl"
 #define LOST_LIGHT
@@ -23,7 +26,11 @@ vec3 brdf(vec3 wi, vec3 wo, Material m) {
     vec3 h = (wi + wo) / (2.0 * wo_h);
     vec3 F = fresnel(m, wo_h);
     float D = D_mixture(h, m.alpha, m.weight_d);
+#ifdef MAP_NORMAL
+    float G = mapped_masking(wi, wo, h, wo_h, m);
+#else
     float G = G_mixture(wi, wo, h, wo_h, m.alpha, m.weight_g);
+#endif
     vec3 f = F * (D * G / (4.0 * wi.z * wo.z));
 #ifdef LOST_LIGHT
     vec4 lost = lost_light_at(wi.z) * lost_light_at(wo.z);
@@ -36,6 +43,8 @@ vec3 brdf(vec3 wi, vec3 wo, Material m) {
     f += dot(lost.xy, m.weight_d) * m.albedo * INV_PI; // through the interface of each NDF
 #elif defined(KD_CONSERVING)
     f += lost.rgb * m.albedo * INV_PI; // Kelemen and Szirmay-Kalos 2001, eq. 4
+#elif defined(MAP_NORMAL)
+    f += one_minus_fresnel(m, wo_h) * m.albedo * (INV_PI * m.upright);
 #else
     f += one_minus_fresnel(m, wo_h) * m.albedo * INV_PI;
 #endif

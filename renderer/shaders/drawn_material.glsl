@@ -3,7 +3,7 @@
 // The material that is drawn.
 uniform vec3 albedo;
 uniform vec3 f0;
-uniform float alpha;
+uniform WIDTH alpha;
 uniform vec2 weight_d;
 uniform vec2 weight_g;
 #ifdef FRESNEL_F82

@@ -2,11 +2,7 @@
 #include "octahedral.glsl"
 #include "rows.glsl"
 
-// Where light is asked for, set before shading: the vertices around, the point's weights among them,
-// and where rays start.
-uint here_vertices[3];
-vec3 here_weights;
-vec3 here_point;
+#include "here_point.glsl"
 
 uniform usampler2D open_bits;
 #ifdef INTERREFLECTION

@@ -1,4 +1,5 @@
 #include "common.glsl"
+#include "width.glsl"
 
 // Smith masking of a mixture of facets, separable: G1(wi) G1(wo) with 1 / G1 = sum v_j / G1_j.
 // n.w / G1(w) is the projected area of the facets that w sees (Heitz 2014, eq. 14); it is linear in
@@ -23,9 +24,7 @@ float lambda_beckmann(float tan_theta, float alpha) {
     return 0.5 * exp(-a * a) * (inverse_a / SQRT_PI - p);
 }
 
-float G1_smith_mixture(vec3 w, float alpha, vec2 weight) {
-    if (w.z <= 0.0) return 0.0;
-    float tan_theta = length(w.xy) / w.z;
+float G1_of_width(float tan_theta, float alpha, vec2 weight) {
     float lambda = 0.0;
 #ifdef G_GGX
     lambda += weight.x * lambda_ggx(tan_theta, alpha);
@@ -36,6 +35,15 @@ float G1_smith_mixture(vec3 w, float alpha, vec2 weight) {
     return 1.0 / (1.0 + lambda);
 }
 
-float G_smith_mixture(vec3 wi, vec3 wo, float alpha, vec2 weight) {
+float G1_smith_mixture(vec3 w, WIDTH alpha, vec2 weight) {
+    if (w.z <= 0.0) return 0.0;
+#ifdef ANISOTROPIC
+    return G1_of_width(wide_tan(w, alpha), 1.0, weight);
+#else
+    return G1_of_width(length(w.xy) / w.z, alpha, weight);
+#endif
+}
+
+float G_smith_mixture(vec3 wi, vec3 wo, WIDTH alpha, vec2 weight) {
     return G1_smith_mixture(wi, alpha, weight) * G1_smith_mixture(wo, alpha, weight);
 }

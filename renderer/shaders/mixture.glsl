@@ -1,7 +1,12 @@
+#include "width.glsl"
 #include "ndf_ggx.glsl"
 #include "ndf_beckmann.glsl"
 #include "masking_smith.glsl"
 #include "masking_vcavity.glsl"
+#ifdef ANISOTROPIC
+#include "ndf_anisotropic.glsl"
+#include "masking_anisotropic.glsl"
+#endif
 #ifdef MASKING_SMITH
 #include "masking_smith_mixture.glsl"
 #endif
@@ -9,7 +14,7 @@
 // The paper's mixtures, eq. 8 and 9: D = sum w_i D_i, G = sum w_j G_j over GGX and Beckmann.
 // x is the share of GGX, y that of Beckmann; a lobe that no weight asks for is not compiled in.
 // Under the model's masking `smith`, G is Smith's own for the mixture instead.
-float D_mixture(vec3 h, float alpha, vec2 weight) {
+float D_mixture(vec3 h, WIDTH alpha, vec2 weight) {
     float D = 0.0;
 #ifdef D_GGX
     D += weight.x * D_ggx(h, alpha);
@@ -20,7 +25,7 @@ float D_mixture(vec3 h, float alpha, vec2 weight) {
     return D;
 }
 
-float G_mixture(vec3 wi, vec3 wo, vec3 h, float wo_h, float alpha, vec2 weight) {
+float G_mixture(vec3 wi, vec3 wo, vec3 h, float wo_h, WIDTH alpha, vec2 weight) {
 #ifdef MASKING_SMITH
     return G_smith_mixture(wi, wo, alpha, weight);
 #else

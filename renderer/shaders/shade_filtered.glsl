@@ -4,6 +4,9 @@
 #include "sample_visible_ggx.glsl"
 #include "spiral.glsl"
 #include "view_frame.glsl"
+#ifdef ANISOTROPIC
+#include "shading_frame.glsl"
+#endif
 #ifdef LIGHTS
 #include "lights.glsl"
 #endif
@@ -51,7 +54,11 @@ vec3 lights(vec3 wo, mat3 to_world, Material m, ivec2 count, float sharers) {
 #endif
 
 vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
+#ifdef ANISOTROPIC
+    mat3 to_world = shading_frame(n);
+#else
     mat3 to_world = view_frame(n, v);
+#endif
     vec3 wo = v * to_world;
     ivec3 shares = sets == 1 ? pixel_samples : set_samples;
     ivec2 count = ivec2(shares.x + shares.y, shares.z);

@@ -1,11 +1,14 @@
 #include "density.glsl"
 #include "radiance.glsl"
 #include "picture.glsl"
-#include "frame.glsl"
+#include "shading_frame.glsl"
 #include "hammersley.glsl"
 #include "sample_ggx.glsl"
 #include "sample_beckmann.glsl"
 #include "sample_cosine.glsl"
+#ifdef ANISOTROPIC
+#include "sample_anisotropic.glsl"
+#endif
 
 // The model's exact BRDF over sampled directions with filtered look-ups. Each lobe has its own
 // share of the samples; the balance heuristic (Veach and Guibas 1995) joins them without bias.
@@ -39,7 +42,7 @@ vec2 sample_point(int i, int n, int set, int sets, vec2 shift) {
 }
 
 vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
-    mat3 to_world = tangent_frame(n);
+    mat3 to_world = shading_frame(n);
     vec3 wo = v * to_world;
     vec2 shift = pixel_shift();
     // Split anew, not multiplied: of a set of one direction all but one lobe would get none.

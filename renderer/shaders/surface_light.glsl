@@ -4,6 +4,9 @@
 #include "hammersley.glsl"
 #include "sample_ggx.glsl"
 #include "sample_beckmann.glsl"
+#ifdef ANISOTROPIC
+#include "sample_anisotropic.glsl"
+#endif
 
 // What a surface sends to another one: coarsely, since it is seen through a reflection.
 uniform sampler2D materials;  // of each object, as renderer/surface.py lays them out
@@ -16,9 +19,14 @@ Material material_of(int object) {
     Material m;
     m.albedo = a.rgb;
     m.f0 = b.rgb;
-    m.alpha = a.a;
+    m.alpha = WIDTH(a.a);
     m.weight_d = vec2(b.a, 1.0 - b.a);
     m.weight_g = vec2(c.x, 1.0 - c.x);
+#ifdef MAP_NORMAL
+    m.facet_alpha = m.alpha;
+    m.lean = vec2(0.0);
+    m.upright = 1.0;
+#endif
 #ifdef FRESNEL_F82
     m.f82 = texelFetch(materials, ivec2(3, object), 0).rgb;
 #endif
@@ -55,7 +63,7 @@ vec3 diffuse_share(Material m, float cos_theta) {
 }
 
 // Direction i of those that the lobes share out by `count`.
-vec3 direction_of(vec3 wo, int i, ivec3 count, float alpha) {
+vec3 direction_of(vec3 wo, int i, ivec3 count, WIDTH alpha) {
     bool ggx = i < count.x;
     vec2 u = ggx ? hammersley(uint(i), uint(count.x)) : hammersley(uint(i - count.x), uint(count.y));
 #if defined(D_GGX) && defined(D_BECKMANN)

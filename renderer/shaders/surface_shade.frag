@@ -1,6 +1,9 @@
 #version 330
-#include "reflected.glsl"
 #include "eye_ray.glsl"
+#ifdef PLACED
+#include "place.glsl"
+#endif
+#include "reflected.glsl"
 // Shades an object pixel by pixel, however many triangles it has there. With antialiasing,
 // coverage samples whose normals are alike are shaded as one; else each by its own normal, for a
 // mirror shows what is finer than a pixel.
@@ -15,9 +18,9 @@ const int coverage_samples = 1;
 #endif
 uniform ivec2 corner; // of the surfaces' rectangle in the framebuffer
 uniform float number;
+uniform float finest_alpha; // the least width of the object's lobes
 layout(location = 0) out vec4 colour;
 #ifdef PLACED
-#include "place.glsl"
 uniform TRIANGLES triangles;
 uniform float ray_offset; // in front of the triangle, so that it does not hit itself
 #endif
@@ -57,13 +60,27 @@ void main() {
     // 2 (1 - r) is the variance of normals whose mean has length r. Below (alpha / 4)² it widens
     // the lobe by 3 % at most.
     float spread = 2.0 * (1.0 - length(sum.xyz) / sum.w);
-    bool alike = spread <= alpha * alpha / 16.0;
-    int sets = alike ? 1 : coverage_samples;
+    bool alike = spread <= finest_alpha * finest_alpha / 16.0;
     vec3 ray = eye_ray(), v = -normalize(ray), L = vec3(0.0);
+#ifdef TEXTURED
+    place(pixel, last, ray);
+    here_ray = ray;
+    here_extent = 1.0;
+    alike = alike && !(coverage_samples == 4 && changes_within(footprint()));
+#endif
+    int sets = alike ? 1 : coverage_samples;
     for (int i = 0; i < sets; ++i) {
         vec4 surface = alike ? vec4(normalize(sum.xyz), number) : surface_at(pixel, i);
         if (surface.w != number) continue;
+#ifdef TEXTURED
+        if (sets == 4) {
+            here_ray = ray_through_part(ray, i);
+            here_extent = 0.5;
+        }
+        place(pixel, alike ? last : i, here_ray);
+#else
         place(pixel, alike ? last : i, ray);
+#endif
         L += reflected(surface.xyz, v, i, sets);
     }
     float share = sum.w / float(coverage_samples);

@@ -9,7 +9,8 @@ import moderngl
 from renderer.context import context
 from renderer.program import Maps, bind_maps, fill, program, set_uniforms
 from renderer.targets import release
-from renderer.transport.scene import ROW, SceneGeometry
+from renderer.transport.placed import ROW
+from renderer.transport.scene import SceneGeometry
 
 # How many witnesses are asked, bounce by bounce: what they err is dimmed by all later ones.
 ASKED = (1, 1, 1, 1, 4)

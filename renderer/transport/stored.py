@@ -13,9 +13,10 @@ import numpy as np
 from renderer.transport.tessellation import Tessellation
 from renderer.transport.visibility import SEEN, SIDE, Visibility
 from scenes.schema import PRIMITIVES, Case, file_digest
+from scenes.surface import surface
 
 MOST_BYTES = 4 << 30  # beyond it the bakes that were longest not used go
-VERSION = 6  # raised when the same scene would be baked otherwise
+VERSION = 7  # raised when the same scene would be baked otherwise
 
 
 def folder() -> Path:
@@ -32,7 +33,10 @@ def key(case: Case) -> str:
         | {"mesh": o.mesh if o.mesh in PRIMITIVES else file_digest(Path(o.mesh))}
         for o in case.objects
     ]
-    text = json.dumps([VERSION, SIDE, SEEN, placed], sort_keys=True)
+    # Materials count only by what their vertices carry.
+    carrying = [sorted(surface(o).carried) for o in case.objects]
+    extra = [carrying] if any(carrying) else []
+    text = json.dumps([VERSION, SIDE, SEEN, placed, *extra], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 

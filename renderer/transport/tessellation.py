@@ -6,7 +6,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from renderer.geometry import in_drawing_order
-from scenes.mesh import Mesh, world_mesh
+from renderer.transport.carried import carried
+from scenes.mesh import world_mesh
 from scenes.schema import Case
 
 FINEST, COARSEST = 1 / 512, 1 / 24  # edges, as shares of an object's extent
@@ -23,11 +24,14 @@ class Tessellation:
         normals: (n, 3) float32; those of new vertices are means, and shorter than 1, so that
             interpolation gives what it gave.
         faces: (m, 3) uint32.
+        carried: (n, k) float32, as `renderer.transport.carried` has it; those of new vertices are
+            means.
     """
 
     vertices: np.ndarray
     normals: np.ndarray
     faces: np.ndarray
+    carried: np.ndarray
 
 
 def tessellate(case: Case) -> list[Tessellation]:
@@ -35,7 +39,7 @@ def tessellate(case: Case) -> list[Tessellation]:
 
     Edges are halved by what both of their triangles agree on, so that no cracks open.
     """
-    made = [_refined(world_mesh(o), np.empty((0, 3))) for o in case.objects]
+    made = [_refined(t, np.empty((0, 3))) for t in _meshes(case)]
     for k, of_one in enumerate(made):
         others = [t.vertices for j, t in enumerate(made) if j != k]
         if others:
@@ -43,9 +47,24 @@ def tessellate(case: Case) -> list[Tessellation]:
     return [_ordered(t) for t in made]
 
 
-def _refined(mesh: Mesh | Tessellation, others: np.ndarray) -> Tessellation:
-    vertices, normals = mesh.vertices.astype(float), mesh.normals.astype(float)
-    faces = mesh.faces.astype(np.int64)
+def untouched(case: Case) -> list[Tessellation]:
+    """The objects of a case with the triangles that they have."""
+    return [_ordered(t) for t in _meshes(case)]
+
+
+def _meshes(case: Case) -> list[Tessellation]:
+    meshes = [world_mesh(o) for o in case.objects]
+    return [
+        Tessellation(m.vertices, m.normals, m.faces, carried(o, len(m.vertices)))
+        for o, m in zip(case.objects, meshes, strict=True)
+    ]
+
+
+def _refined(mesh: Tessellation, others: np.ndarray) -> Tessellation:
+    # All that is interpolated, in one array.
+    rows = [mesh.vertices, mesh.normals, mesh.carried]
+    values = np.hstack([r.astype(float) for r in rows])
+    vertices, faces = values[:, :3], mesh.faces.astype(np.int64)
     extent = np.ptp(vertices, axis=0).max()
     near = cKDTree(others) if len(others) else None
     while True:
@@ -61,13 +80,14 @@ def _refined(mesh: Mesh | Tessellation, others: np.ndarray) -> Tessellation:
         split = length > allowed
         if not split.any() or len(vertices) + split.sum() > MOST_VERTICES:
             break
-        vertices, normals, faces = _halved(vertices, normals, faces, edges, of_face, split)
-    return Tessellation(vertices, np.float32(normals), faces)
+        values, faces = _halved(values, faces, edges, of_face, split)
+        vertices = values[:, :3]
+    return Tessellation(vertices, np.float32(values[:, 3:6]), faces, np.float32(values[:, 6:]))
 
 
 def _ordered(made: Tessellation) -> Tessellation:
     faces, used = in_drawing_order(made.vertices, made.faces)
-    return Tessellation(made.vertices[used], made.normals[used], faces)
+    return Tessellation(made.vertices[used], made.normals[used], faces, made.carried[used])
 
 
 def _edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -79,18 +99,16 @@ def _edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _halved(
-    vertices: np.ndarray,
-    normals: np.ndarray,
+    values: np.ndarray,
     faces: np.ndarray,
     edges: np.ndarray,
     of_face: np.ndarray,
     split: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices, normals and faces with a new vertex in the middle of each edge that is split."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices' values and faces with a new vertex in the middle of each edge that is split."""
     middle = np.full(len(edges), -1)
-    middle[split] = len(vertices) + np.arange(split.sum())
-    vertices = np.concatenate([vertices, vertices[edges[split]].mean(axis=1)])
-    normals = np.concatenate([normals, normals[edges[split]].mean(axis=1)])
+    middle[split] = len(values) + np.arange(split.sum())
+    values = np.concatenate([values, values[edges[split]].mean(axis=1)])
     m = middle[of_face]  # (faces, 3), -1 where the edge stays
     count = (m >= 0).sum(axis=1)
     made = [faces[count == 0]]
@@ -106,4 +124,4 @@ def _halved(
     ):
         of = count == number
         made += [np.stack([corner[of] for corner in t], axis=1) for t in triangles]
-    return vertices, normals, np.concatenate(made)
+    return values, np.concatenate(made)

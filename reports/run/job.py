@@ -73,8 +73,9 @@ class Job:
             except ValueError as error:
                 raise InputError(path, "techniques", str(error), "use a known technique") from error
         for entry in [] if self.outside else entries:
+            materials = [o.material for o in entry.case.objects]
             for name in entry.techniques:
-                if what := technique(name).cannot_draw(entry.case.model):
+                if what := technique(name).cannot_draw(entry.case.model, materials):
                     problem = f"'{name}' cannot draw {what}"
                     field = f"model.{what.split()[0]}"
                     raise InputError(path, field, problem, "leave it out, or give a --candidate")

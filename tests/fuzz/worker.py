@@ -81,7 +81,7 @@ def _draw() -> None:
 
     case = expand(*load_suite(sys.argv[1]))[0].case.model_copy(update={"width": 24, "height": 18})
     name = sys.argv[2]
-    if technique(name).cannot_draw(case.model):
+    if technique(name).cannot_draw(case.model, [o.material for o in case.objects]):
         return
     rgb = Renderer(technique(name), repeats=0).render(case).rgb
     if not (light := np.isfinite(rgb) & (rgb >= 0)).all():

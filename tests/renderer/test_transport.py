@@ -167,6 +167,7 @@ def test_rays_hit_in_the_shader_what_they_hit_in_embree(count):
         triangles.reshape(-1, 3).astype(float),
         np.zeros((3 * count, 3), np.float32),
         np.arange(3 * count).reshape(-1, 3),
+        np.empty((3 * count, 0), np.float32),
     )
     hits = Rays([mesh], np.zeros(3)).first(origins, directions)
     declared = "vec4 found(Hit h, bool any) { return vec4(h.triangle, h.weights.yz, any); }"
