@@ -25,6 +25,7 @@ from reports.run.conformance.tables import of_own_table, of_table
 from scenes.environment import load_environment
 from scenes.schema import Case, Environment, Material
 from scenes.suite import Entry
+from scenes.surface import plain
 
 Used = tuple[Case, Material, Technique]
 TABLES = ("albedo", "towards")
@@ -36,7 +37,7 @@ def conformance(entries: Iterable[Entry]) -> list[Conformance]:
     edges = [of_edges(e.case, name) for e in entries for name in e.techniques]
     found = [e for e in edges if e]
     used = [
-        (e.case, o.material, technique(name))
+        (e.case, plain(o), technique(name))
         for e in entries
         for o in e.case.objects
         for name in e.techniques

@@ -8,6 +8,7 @@ from renderer.precompute import precomputed
 from reports.conformance.result import Conformance
 from reports.run.conformance.shared import measured, uniforms_of
 from scenes.schema import Case
+from scenes.surface import plain
 
 
 def of_surfaces(case: Case, name: str) -> list[Conformance]:
@@ -18,7 +19,7 @@ def of_surfaces(case: Case, name: str) -> list[Conformance]:
     prepared = Renderer(how).prepare(case, environment.maps)
     found = []
     for obj, draw in zip(case.objects, prepared.draws, strict=True):
-        for field, value in uniforms_of(obj.material).items():
+        for field, value in uniforms_of(plain(obj)).items():
             ours, theirs = np.array(draw.uniforms[field]), np.array(value)
             off = np.max(np.abs(ours - theirs) / np.maximum(np.abs(theirs), 1e-9))
             found.append(measured("surfaces", off, f"{field} of {obj.name} in {case.id}, {name}"))
