@@ -1,0 +1,1 @@
+"""Small pictures that repeat, made by `python -m scenes.textures`."""
