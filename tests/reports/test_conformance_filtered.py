@@ -71,7 +71,7 @@ def test_the_renderer_as_it_is_conforms(name):
     ("file", "right", "wrong", "seen"),
     [
         ("sample_visible_ggx.glsl", "r = max(1.0 - u.x", "r = max(0.99 - u.x", "samples"),
-        ("sample_visible_ggx.glsl", "4.0 * (1.0 - alpha)", "3.9 * (1.0 - alpha)", "densities"),
+        ("sample_visible_ggx.glsl", "4.0 * (1.0 - a)", "3.9 * (1.0 - a)", "densities"),
         ("sample_visible_ggx.glsl", "* G1_ggx(wo, alpha)", "", "densities"),
         ("spiral.glsl", "0.618033988749895", "0.61", "samples"),
         ("shade_filtered.glsl", "wi.z * INV_PI", "wi.z * 0.3", "densities"),
