@@ -7,7 +7,9 @@ vec3 drop_f82(vec3 f0, vec3 f82, float cos_theta) {
     const float AT_82 = 1.0 / 7.0, M82 = 6.0 / 7.0;
     const float SCHLICK = M82 * M82 * M82 * M82 * M82; // of 1 - f0, that Schlick adds there
     float c = clamp(cos_theta, 0.0, 1.0), m = 1.0 - c, m2 = m * m;
-    vec3 drop = (f0 + (1.0 - f0) * SCHLICK - f82) / (AT_82 * M82 * SCHLICK);
+    // f0 - f82 by itself: f0 + (1 - f0) SCHLICK, which is F there, becomes a mix() on some GPUs and
+    // misses 1 where f0 is 1.
+    vec3 drop = ((f0 - f82) + (1.0 - f0) * SCHLICK) / (AT_82 * M82 * SCHLICK);
     return drop * (c * m2 * m2 * m2);
 }
 
