@@ -17,7 +17,7 @@ import numpy as np
 from reference.executor import Serial, explained
 from reference.settings import FEWEST_BATCHES, TRUTHS, Kind, kind_of, rounded_samples
 from reference.store import Store, key, mending
-from reference.variant import mitsuba
+from reference.variant import gpu, mitsuba
 from scenes.errors import InputError
 from scenes.frame import Frame
 from scenes.schema import Case
@@ -280,7 +280,7 @@ def _machine() -> dict[str, str]:
     mi = mitsuba()
     variant = mi.variant()
     facts = {"maker": "mitsuba", "mitsuba": version("mitsuba"), "drjit": version("drjit")}
-    facts |= {"variant": variant, "device": _processor()}
+    facts |= {"variant": variant, "device": gpu() if "cuda" in variant else _processor()}
     if variant.startswith("llvm"):
         facts["llvm"] = Path(os.environ["DRJIT_LIBLLVM_PATH"]).resolve().name
     return facts

@@ -24,6 +24,7 @@ from scenes.frame import write_text
 
 OLDEST_LLVM = 19
 VARIABLE = "DRJIT_LIBLLVM_PATH"
+NVIDIA = ("libcuda.so.1", "libnvoptix.so.1")  # the driver's libraries that Dr.Jit loads
 REMEDY = f"apt-get install libllvm{OLDEST_LLVM}, or point {VARIABLE} at such a library"
 # The smallest kernel that has `fminimum`, which LLVM 15 and 16 cannot compile.
 PROBE = (
@@ -34,12 +35,12 @@ PROBE = (
 
 @cache
 def mitsuba() -> ModuleType:
-    """The `mitsuba` module with its variant set: `cuda_ad_rgb` with a CUDA device, else LLVM.
+    """The `mitsuba` module with its variant set: `cuda_ad_rgb` with an NVIDIA GPU, else LLVM.
 
     Raises:
-        InputError: there is neither a CUDA device nor a usable LLVM library.
+        InputError: there is neither a GPU that can trace rays nor a usable LLVM library.
     """
-    variant = "cuda_ad_rgb" if _has_cuda() else "llvm_ad_rgb"
+    variant = "cuda_ad_rgb" if gpu() else "llvm_ad_rgb"
     if variant == "llvm_ad_rgb":
         os.environ[VARIABLE] = str(find_llvm())
     import mitsuba as mi
@@ -105,10 +106,20 @@ def _cache_folder() -> Path:
     return Path(home) / "shadeproof"
 
 
-def _has_cuda() -> bool:
-    """Whether the NVIDIA driver is there and counts a device."""
+@cache
+def gpu() -> str:
+    """The name of the NVIDIA GPU that Mitsuba can trace rays on; empty where there is none.
+
+    Rays take the driver's OptiX library beside CUDA. A container that was given the GPU for
+    computing alone lacks it.
+    """
     try:
-        driver, count = ctypes.CDLL("libcuda.so.1"), ctypes.c_int()
+        driver, _ = (ctypes.CDLL(library) for library in NVIDIA)
     except OSError:
-        return False
-    return driver.cuInit(0) == 0 and driver.cuDeviceGetCount(ctypes.byref(count)) == 0 < count.value
+        return ""
+    count, device, name = ctypes.c_int(), ctypes.c_int(), ctypes.create_string_buffer(256)
+    if driver.cuInit(0) or driver.cuDeviceGetCount(ctypes.byref(count)) or not count.value:
+        return ""
+    driver.cuDeviceGet(ctypes.byref(device), 0)
+    driver.cuDeviceGetName(name, len(name), device)
+    return name.value.decode()

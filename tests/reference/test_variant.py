@@ -4,9 +4,11 @@ import glob
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
+from reference import batches, variant
 from reference.variant import VARIABLE, candidates, mitsuba
 from scenes.errors import InputError
 
@@ -55,3 +57,39 @@ def test_a_probe_is_made_once(tmp_path):
     answer = python(code, XDG_CACHE_HOME=str(tmp_path))
     assert answer.stdout == "True\n"
     assert len(list((tmp_path / "shadeproof").iterdir())) == 1
+
+
+class Driver:
+    """NVIDIA's, with one GPU."""
+
+    def cuInit(self, _flags):
+        return 0
+
+    def cuDeviceGetCount(self, count):
+        count._obj.value = 1
+        return 0
+
+    def cuDeviceGet(self, _device, _ordinal):
+        return 0
+
+    def cuDeviceGetName(self, name, _size, _device):
+        name.value = b"a GPU"
+        return 0
+
+
+@pytest.mark.parametrize(("lacks", "name"), [("", "a GPU"), ("optix", ""), ("cuda", "")])
+def test_a_gpu_traces_rays_where_its_driver_brings_cuda_and_optix(monkeypatch, lacks, name):
+    def load(library):
+        if lacks and lacks in library:
+            raise OSError(library)
+        return Driver()
+
+    monkeypatch.setattr(variant.ctypes, "CDLL", load)
+    assert variant.gpu.__wrapped__() == name
+
+
+def test_a_reference_names_the_gpu_that_traced_it(monkeypatch):
+    monkeypatch.setattr(batches, "gpu", lambda: "a GPU")
+    monkeypatch.setattr(batches, "mitsuba", lambda: SimpleNamespace(variant=lambda: "cuda_ad_rgb"))
+    facts = batches._machine.__wrapped__()
+    assert (facts["variant"], facts["device"]) == ("cuda_ad_rgb", "a GPU")
