@@ -37,7 +37,7 @@ void main() {
 @pytest.mark.parametrize(
     ("name", "text", "line"),
     [
-        ("main.frag", MAIN.replace("in vec2 uv;", "in vec2 nothing = 1;"), 2),
+        ("main.frag", MAIN.replace("in vec2 uv;", "in vec2 uv; float one = nothing;"), 2),
         ("main.frag", MAIN.replace("half_of(uv.x)", "nothing"), 6),
         ("part.glsl", "float half_of(float x) {\n\n    return nothing;\n}\n", 3),
         ("part.glsl", '#include "common.glsl"\nfloat half_of(float x) { return nothing; }\n', 2),
@@ -65,7 +65,8 @@ def test_a_probe_tells_the_file_of_a_function_or_else_its_expression(shaders, re
 def test_shaders_that_do_not_fit_are_told(shaders, refused):
     (shaders / "main.frag").write_text(MAIN.replace("vec2 uv", "vec3 uv").replace("uv.x", "uv.z"))
     error = refused(lambda: program.program("fullscreen.vert", "main.frag"), "uv")
-    assert error.where == str(shaders / "main.frag")
+    # NVIDIA's compiler tells where the other of the two declares it.
+    assert error.where in (str(shaders / "main.frag"), f"{shaders / 'fullscreen.vert'}:3")
 
 
 @pytest.mark.parametrize(
