@@ -44,6 +44,8 @@ def _bare(node: Any) -> Any:
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
         fields["body"] = node.body[1:]
+    if isinstance(node, ast.JoinedStr):  # Python 3.12 ends some formats with an empty string
+        fields["values"] = [v for v in node.values if getattr(v, "value", None) != ""]
     return [type(node).__name__, [[name, _bare(value)] for name, value in fields.items()]]
 
 

@@ -1,5 +1,6 @@
 """The store of references, and how they grow."""
 
+import ast
 import json
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import trimesh
 from reference import batches
 from reference import store as store_module
 from reference.batches import PathTracer, batch_seed, grow, render_batch
-from reference.maker import HERE, SOURCES, code_digest, maker
+from reference.maker import HERE, SOURCES, _bare, code_digest, maker
 from reference.store import Store, contents, key
 from scenes import frame as frames
 from scenes.frame import Frame
@@ -178,6 +179,13 @@ def test_the_digest_of_the_code_is_the_same_in_every_version_of_python():
         "class A(B):\n    x: int = 1\n\n    def f(self, *a, **k):\n        return f'{a!r:>{1}} b'\n"
     )
     assert code_digest(code).startswith("0a7f5396")
+
+
+def test_an_empty_string_at_the_end_of_a_format_is_nothing():
+    """Python 3.12 puts one there."""
+    plain, ended = (ast.parse("x = f'{a:>{1}}'") for _ in range(2))
+    ended.body[0].value.values[0].format_spec.values.append(ast.Constant(""))
+    assert ast.dump(plain) != ast.dump(ended) and _bare(plain) == _bare(ended)
 
 
 MADE_OTHERWISE = {
