@@ -1,4 +1,4 @@
-"""Maps and tables of the technique `split`, by filtered samples and lights as in `filtered`."""
+"""Maps and tables of `split`, and exact irradiance, by samples and lights as in `filtered`."""
 
 from collections.abc import Collection
 from functools import cache
@@ -16,7 +16,7 @@ LAYERS = 15  # alpha 1/128 to 1, each the root of 2 times the one before
 LAYER_SIZE = (256, 128)
 LOBE_SAMPLES = 128
 TABLE_SIZE, TABLE_SAMPLES = (64, 64), 1024  # over n.v and roughness
-IRRADIANCE_SIZE, IRRADIANCE_SAMPLES = (64, 32), 256
+IRRADIANCE_SIZE, IRRADIANCE_SAMPLES = (128, 65), 1024
 
 LOBES = {"lobe_ggx": "D_GGX", "lobe_beckmann": "D_BECKMANN"}  # as in the shader
 
@@ -34,10 +34,10 @@ def make_lobes(radiance: moderngl.Texture, names: Collection[str]) -> Made:
 
 
 def make_irradiance(radiance: moderngl.Texture, names: Collection[str]) -> Made:
-    """E(n) as a float32 RGBA lat-long texture."""
+    """E(n) as a float32 RGBA lat-long texture, its rows from pole to pole."""
     shader = program("fullscreen.vert", "irradiance_exact.frag")
-    light = _light(radiance, shader)
-    return _filled(names, IRRADIANCE_SIZE, shader, **light, count=IRRADIANCE_SAMPLES)
+    told = {"count": IRRADIANCE_SAMPLES, "rows": IRRADIANCE_SIZE[1]}
+    return _filled(names, IRRADIANCE_SIZE, shader, **_light(radiance, shader), **told)
 
 
 def make_tables(_radiance: moderngl.Texture, names: Collection[str]) -> Made:

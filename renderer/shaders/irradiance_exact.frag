@@ -6,11 +6,13 @@
 #include "lights.glsl"
 in vec2 uv;
 uniform int count;
+uniform int rows; // of the map
 layout(location = 0) out vec4 irradiance;
 
 // E(n) over filtered samples and over the lights.
 void main() {
-    mat3 to_world = tangent_frame(direction_from_latlong(uv, 0.0));
+    float v = (uv.y * float(rows) - 0.5) / float(rows - 1);
+    mat3 to_world = tangent_frame(direction_from_latlong(vec2(uv.x, v), 0.0));
     vec3 sum = vec3(0.0);
     for (int i = 0; i < count; ++i) {
         vec3 wi = sample_cosine(hammersley(uint(i), uint(count)));

@@ -1,6 +1,6 @@
 #include "material.glsl"
 #include "fresnel_schlick.glsl"
-#include "latlong.glsl"
+#include "irradiance_exact.glsl"
 #include "view_frame.glsl"
 
 // Karis' split sum (2013) where the lobe really looks: each factor is exact, and the first is taken
@@ -14,7 +14,6 @@ uniform sampler2D albedo_ggx;       // scale and bias with G_smith, with G_vcavi
 uniform sampler2D albedo_beckmann;
 uniform sampler2D towards_ggx;      // mean direction's x and z, times scale + bias, likewise
 uniform sampler2D towards_beckmann;
-uniform sampler2D irradiance_exact;
 #ifdef MASKING_SMITH
 uniform sampler2D table_smith;      // scale and bias of this material
 #endif
@@ -85,7 +84,7 @@ vec3 shade(vec3 n, vec3 v, Material m, int _set, int _sets) {
 #endif
     vec3 L = lobe_mean(axis, alpha, m) * (m.f0 * seen.scale_bias.x + seen.scale_bias.y);
 #if defined(DIFFUSE) && !defined(SPECULAR_LIGHT)
-    vec3 E = textureLod(irradiance_exact, latlong_from_direction(n, environment_turn), 0.0).rgb;
+    vec3 E = exact_irradiance(n, environment_turn);
     L += diffuse_share(cos_theta) * (1.0 - m.f0) * m.albedo * INV_PI * E;
 #endif
     return L;

@@ -39,7 +39,7 @@ def of_split_maps(environment: Environment, names: set[str]) -> list[Conformance
     found = []
     if "irradiance_exact" in names:
         texels = texels_of(made.maps["irradiance_exact"])
-        rows, columns, axes = _some(rng, texels.shape)
+        rows, columns, axes = _some(rng, texels.shape, to_poles=True)
         (E,), _, _ = light.convolved(axes, [lambert])
         off = relative(texels[rows, columns, :3], E)
         found.append(measured("irradiance map", off, f"exact, {environment.name}"))
@@ -138,7 +138,9 @@ def _split(maps: dict, n: np.ndarray, v: np.ndarray, material: Material, turn: f
     f0, albedo = np.array(material.specular_f0), np.array(material.diffuse_albedo)
     L = sums[:, :3] / sums[:, 3:] * (f0 * ab[:, :1] + ab[:, 1:])
     if "irradiance_exact" in maps:
-        E = bilinear(texels_of(maps["irradiance_exact"]), latlong(n, turn))[:, :3]
+        exact, uv = texels_of(maps["irradiance_exact"]), latlong(n, turn)
+        uv[:, 1] = (uv[:, 1] * (len(exact) - 1) + 0.5) / len(exact)
+        E = bilinear(exact, uv)[:, :3]
         L += (1 - _lost(cosine))[:, None] * (1 - f0) * albedo / np.pi * E
     return L
 
@@ -156,9 +158,10 @@ def _lost(cosine: np.ndarray) -> np.ndarray:
 
 
 def _some(
-    rng: np.random.Generator, shape: tuple[int, ...]
+    rng: np.random.Generator, shape: tuple[int, ...], to_poles: bool = False
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows, columns and directions of some texels of a lat-long map."""
+    """Rows, columns and directions of some texels of a lat-long map, or one from pole to pole."""
     rows, columns = (rng.integers(0, size, PLACES) for size in shape[:2])
-    uv = np.stack([(columns + 0.5) / shape[1], (rows + 0.5) / shape[0]], 1)
+    polar = rows / (shape[0] - 1) if to_poles else (rows + 0.5) / shape[0]
+    uv = np.stack([(columns + 0.5) / shape[1], polar], 1)
     return rows, columns, direction(uv)
