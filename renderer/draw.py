@@ -1,6 +1,6 @@
 """Draw a case with a technique."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -9,6 +9,7 @@ import numpy as np
 
 from renderer.context import device
 from renderer.features import Technique
+from renderer.grid import grid_of
 from renderer.objects import culled, object_ids, placed, vertex_array
 from renderer.passes import Draw, Prepared, draw_frame
 from renderer.precompute import precomputed
@@ -94,7 +95,11 @@ class Renderer:
         }
         if "lights_map" in self.technique.reads:
             frame |= light_uniforms(maps["lights_map"], turn)
-        shading = Shading(self.technique, case, lit="light_count" in frame)
+        how = self.technique
+        if how.grid > 1:
+            grid = grid_of(case.objects, camera, size, how.grid, how.msaa)
+            how = replace(how, grid=grid)
+        shading = Shading(how, case, lit="light_count" in frame)
         maps = maps | shading.material_maps
         precomputation = shading.seconds
         if geometry:
@@ -110,7 +115,7 @@ class Renderer:
             for obj in case.objects
         ]
         around = covered(case.objects, camera, size)
-        target = make_target(size, self.technique.msaa, around, part, placed=bool(geometry))
+        target = make_target(size, how.msaa, around, part, bool(geometry), how.grid)
         background = program("fullscreen.vert", "background.frag")
         rays = frame | {"pixel_area": _pixel_area(camera, case)}
         return Prepared(draws, background, rays, maps, target, precomputation)
@@ -144,7 +149,8 @@ class Renderer:
         uniforms = frame | where | shading.uniforms(obj) | {"number": number}
         maps = shading.maps(obj, maps)
         touched = within(covered((obj,), camera, size), part)
-        return Draw(array, raster, shader, uniforms, maps, culled(obj, camera), touched)
+        turns = shading.turns(obj)
+        return Draw(array, raster, shader, uniforms, maps, culled(obj, camera), touched, turns)
 
 
 def _pixel_area(camera: View, case: Case) -> float:

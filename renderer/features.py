@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from math import ceil
 
 from scenes.schema import PAPER, VERTEX, Material, Model
 from scenes.surface import has_direction
@@ -106,10 +107,12 @@ LOST_LIGHT = {"KD_INTERFACE", "KD_CONSERVING", "MULTISCATTER"}  # these read a t
 # Mesa's llvmpipe ends the loops of a shader, silently, after 65,535 turns in all.
 MOST_SAMPLES = 65_000
 
-# Lobes narrower than the cells of what is baked, in alpha, are traced.
-TRACED = 0.03
-# Rays a pixel: each may visit hundreds of nodes, and of all loops' turns there are 65,535.
-MOST_RAYS = 16
+# Lobes narrower than this, in alpha, are traced: what is baked has cells of .11 radians.
+TRACED = 0.1
+# Rays a pixel for the widest of them; narrower ones need fewer, but one for each shading point.
+RAYS = 64
+# Rays of one pass: each may visit hundreds of nodes, and of all loops' turns there are 65,535.
+PASS_RAYS, ALIKE_RAYS = 16, 32  # the latter where a pixel has one shading point
 
 FINE = "_fine"  # ends the names of maps made much more finely than a technique would
 
@@ -131,6 +134,8 @@ class Technique:
         samples: directions per pixel, where the shader samples; else 0. Coverage samples share
             them, and have at least one each.
         msaa: coverage samples per pixel, box-filtered; 0 for none.
+        grid: into how many parts per axis a pixel may be divided, with `msaa` coverage samples
+            each, where triangles are smaller than pixels; a power of 2.
         supersample: whole pixels drawn per pixel and axis, box-filtered.
         occlusion: what stands in the light's way is baked at vertices and takes it away.
         interreflection: and sends its own light instead, baked there too.
@@ -148,6 +153,7 @@ class Technique:
     shade: str
     samples: int = 0
     msaa: int = 4
+    grid: int = 1
     supersample: int = 1
     occlusion: bool = False
     interreflection: bool = False
@@ -179,18 +185,32 @@ class Technique:
 
     def per_set(self, material: Material) -> int:
         """Directions of a material in each set of a drawn pixel."""
-        samples = min(self.samples, MOST_RAYS) if self.traces(material) else self.samples
-        return -(-samples // (self.supersample**2 * self.sets))
+        samples = self.samples
+        if self.traces(material):
+            samples = min(samples, RAYS * (material.alpha / TRACED) ** 2)
+        return max(ceil(samples / (self.supersample**2 * self.sets)), 1)
+
+    def per_pixel(self, material: Material) -> int:
+        """Directions of a drawn pixel that has one set for all."""
+        together = self.per_set(material) * self.sets
+        return min(together, ALIKE_RAYS) if self.traces(material) else together
+
+    def turns(self, material: Material) -> tuple[tuple[int, int], ...]:
+        """The shading points of a pixel, by passes: first, and first of the next."""
+        step = max(PASS_RAYS // self.per_set(material), 1) if self.traces(material) else self.sets
+        starts = range(0, self.sets, step)
+        return tuple((k, min(k + step, self.sets)) for k in starts)
 
     @property
     def sets(self) -> int:
         """How many sets of directions a drawn pixel may have, one for each coverage sample."""
-        return max(self.msaa, 1)
+        return max(self.msaa, 1) * self.grid**2
 
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
         if self.samples:
-            return self.reads
+            even = self.reads and _some_diffuse(material)
+            return self.reads + (("irradiance_exact",) if even else ())
         read = [f for f in LOBES if f.needed(material) or f.name in self.forced]
         if self.split:
             return tuple(m for f in read for m in f.split)
@@ -231,12 +251,15 @@ TECHNIQUES = {
     "paper-noaa": Technique("paper-noaa", "shade_paper.glsl", msaa=0),
     "sampled": Technique("sampled", "shade_sampled.glsl", samples=96),
     "split": Technique("split", "shade_split.glsl", split=True),
-    "filtered": Technique("filtered", "shade_filtered.glsl", samples=64, reads=LIT),
-    "shadowed": Technique("shadowed", "shade_filtered.glsl", samples=64, reads=LIT, occlusion=True),
+    "filtered": Technique("filtered", "shade_filtered.glsl", samples=64, grid=4, reads=LIT),
+    "shadowed": Technique(
+        "shadowed", "shade_filtered.glsl", samples=64, grid=4, reads=LIT, occlusion=True
+    ),
     "best": Technique(
         "best",
         "shade_filtered.glsl",
         samples=64,
+        grid=4,
         reads=LIT,
         occlusion=True,
         interreflection=True,

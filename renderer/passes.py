@@ -25,6 +25,7 @@ class Draw:
         uniforms: of both programs.
         culled: whether its back faces are hidden for sure.
         covered: the part of the picture that it may touch.
+        turns: the shading points of a pixel, pass by pass: the first, and where the next starts.
     """
 
     vertices: moderngl.VertexArray
@@ -34,6 +35,7 @@ class Draw:
     maps: Maps
     culled: bool
     covered: Rectangle
+    turns: tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,9 +107,11 @@ def _shade(prepared: Prepared) -> None:
     target = prepared.target
     shown = dict(zip(("surfaces", "triangles"), target.drawn.color_attachments, strict=False))
     for draw in prepared.draws:
-        set_uniforms(draw.shading, **draw.uniforms, corner=target.corner)
+        set_uniforms(draw.shading, **draw.uniforms, corner=target.corner, grid=target.grid)
         bind_maps(draw.shading, draw.maps | shown)
-        fill(target.finished, draw.shading, draw.covered)
+        for turn in draw.turns:
+            set_uniforms(draw.shading, turn=turn)
+            fill(target.finished, draw.shading, draw.covered)
 
 
 def _background(prepared: Prepared, rectangle: Rectangle | None) -> None:

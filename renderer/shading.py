@@ -68,6 +68,10 @@ class Shading:
         incoming = how.incoming(material)
         return program("fullscreen.vert", "surface_shade.frag", defines, how.shade, incoming)
 
+    def turns(self, obj: Object) -> tuple[tuple[int, int], ...]:
+        """The shading points of an object's pixels, pass by pass."""
+        return self.technique.turns(plain(obj))
+
     def uniforms(self, obj: Object) -> dict[str, Any]:
         """What the program is told of an object's surface."""
         how, material, model = self.technique, plain(obj), self.case.model
@@ -85,10 +89,11 @@ class Shading:
             | {
                 "light_sharers": how.supersample**2 if how.filtered else 1e9,
                 "set_samples": split_samples(material, how.per_set(material), model),
-                "pixel_samples": split_samples(material, how.per_set(material) * how.sets, model),
+                "pixel_samples": split_samples(material, how.per_pixel(material), model),
                 "prefilter_levels": float(LEVELS),
                 "lobe_layers": float(LAYERS),
-                "coverage_samples": how.msaa,
+                "coverage_samples": how.sets if how.msaa else 0,
+                "part_samples": how.msaa,
             }
         )
 

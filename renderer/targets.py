@@ -22,11 +22,13 @@ class Target:
             sample; then it spans only `covered`.
         finished: the picture, or the part of it that is asked for.
         covered: the part of `finished` that objects may touch.
+        grid: how many pixels of `drawn` a pixel of `finished` has per axis.
     """
 
     drawn: moderngl.Framebuffer
     finished: moderngl.Framebuffer
     covered: Rectangle
+    grid: int = 1
 
     @property
     def antialiased(self) -> bool:
@@ -51,7 +53,12 @@ class Target:
 
 
 def make_target(
-    size: tuple[int, int], msaa: int, covered: Rectangle, part: Rectangle, placed: bool = False
+    size: tuple[int, int],
+    msaa: int,
+    covered: Rectangle,
+    part: Rectangle,
+    placed: bool = False,
+    grid: int = 1,
 ) -> Target:
     """A float32 RGBA target for a part of a picture, with `msaa` samples a pixel, 0 for none.
 
@@ -82,13 +89,13 @@ def make_target(
         drawn.viewport = (-corner[0], -corner[1], *whole)
         return Target(drawn, finished, covered)
     left, bottom, *inner = covered
-    inner = max(inner[0], 1), max(inner[1], 1)
+    inner = tuple(grid * max(n, 1) for n in inner)
     shown = [gl.texture(inner, 4, samples=msaa, dtype="f4")]
     if placed:
         shown.append(gl.texture(inner, 1, samples=msaa, dtype="u4"))
     drawn = gl.framebuffer(shown, gl.depth_renderbuffer(inner, samples=msaa))
-    drawn.viewport = (-corner[0] - left, -corner[1] - bottom, *whole)
-    return Target(drawn, gl.framebuffer([colour]), covered)
+    drawn.viewport = tuple(grid * n for n in (-corner[0] - left, -corner[1] - bottom, *whole))
+    return Target(drawn, gl.framebuffer([colour]), covered, grid)
 
 
 def _offered(whole: tuple[int, int], part: Rectangle, msaa: int) -> None:

@@ -15,3 +15,9 @@ float incoming_lod(float density) {
     float texel = 2.0 * PI / float(textureSize(blurred_map, 0).x);
     return max(-0.5 * log2(max(density * texel * texel, 1e-30)), 0.0);
 }
+
+// The share of directions that a level is for.
+float incoming_share(float lod) {
+    float texel = 2.0 * PI / float(textureSize(blurred_map, 0).x);
+    return texel * texel * exp2(2.0 * lod);
+}

@@ -1,3 +1,6 @@
+#ifdef LIGHTS
+#define LIT_HITS
+#endif
 #include "here.glsl"
 #include "corners.glsl"
 #include "occluded_lights.glsl"
@@ -21,7 +24,7 @@ vec3 incoming(vec3 world, float lod) {
     uvec4 corner = corners_of(hit.triangle);
     here_vertices = uint[](corner.x, corner.y, corner.z);
     here_weights = hit.weights;
-    vec3 L = surface_light(-world, int(corner.w), FEW, 0, 1, 0.0);
+    vec3 L = surface_light(-world, int(corner.w), FEW, 0, 1, incoming_share(lod), hit.t);
     here_vertices = from;
     here_weights = weights;
 #ifdef LOST_LIGHT

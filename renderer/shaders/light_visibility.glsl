@@ -1,4 +1,4 @@
 // How much of a light is seen: all of it where nothing occludes.
-float light_visibility(int light, vec3 wi_world) {
+float light_visibility(int light, vec3 world, bool faint) {
     return 1.0;
 }

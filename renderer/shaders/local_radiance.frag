@@ -3,6 +3,7 @@
 // The light that surfaces send one another: for each vertex and coarse direction in which it sees
 // one, the mean radiance of the vertices there that stand for what it sees.
 uniform usampler2D sights; // four of them, as transport/visibility.py packs them
+uniform usampler2D sight_owner; // the vertex that sees it
 uniform int sight_count;
 const int WITNESSES = 4, VERTEX_BITS = 22; // as there
 const uint NOBODY = 0xFFFFFFFFu;
@@ -17,6 +18,7 @@ void main() {
     vec3 sum = vec3(0.0);
     here_weights = vec3(1.0, 0.0, 0.0);
     float share = 4.0 * PI / float(SEEN * SEEN * asked);
+    vec3 from = position_of(texelFetch(sight_owner, texel, 0).x);
     for (int k = 0; k < asked; ++k) {
         int i = asked == WITNESSES ? k : (2 * k + 1) * WITNESSES / (2 * asked);
         if (witnesses[i] == NOBODY) continue;
@@ -24,7 +26,7 @@ void main() {
         here_vertices = uint[](vertex, vertex, vertex);
         int object = int(texelFetch(normals, row_texel(int(vertex)), 0).w);
         vec3 v = -octahedral_direction(int(witnesses[i] >> uint(VERTEX_BITS)));
-        sum += surface_light(v, object, FEW, k, asked, share);
+        sum += surface_light(v, object, FEW, k, asked, share, distance(from, position_of(vertex)));
     }
     colour = vec4(sum / float(asked), 1.0);
 }

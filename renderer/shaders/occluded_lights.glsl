@@ -13,8 +13,8 @@ bool clear(vec3 world) {
 }
 
 // How much of a light is seen: shadows of what is small are sharper than what is baked.
-float light_visibility(int light, vec3 world) {
+float light_visibility(int light, vec3 world, bool faint) {
     if (clear(world)) return 1.0;
-    if (light >= TRACED_LIGHTS) return baked_visibility(world);
+    if (faint || light >= TRACED_LIGHTS) return baked_visibility(world);
     return blocked(here_point, world) ? 0.0 : 1.0;
 }

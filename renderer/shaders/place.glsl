@@ -1,15 +1,11 @@
 #include "eye_ray.glsl"
 #include "corners.glsl"
 #include "here_point.glsl"
+#include "positions.glsl"
 
 // Where in the scene a pixel's surface lies: its triangle, and the point on it that the pixel's
 // centre shows.
-uniform sampler2D positions; // of each vertex, from the scene's middle
-uniform vec3 eye;            // from there too
-
-vec3 position_of(uint vertex) {
-    return texelFetch(positions, row_texel(int(vertex)), 0).xyz;
-}
+uniform vec3 eye; // from the scene's middle, as `positions`
 
 // Barycentric weights of where a ray meets the triangle's plane, Möller and Trumbore 1997.
 vec3 plane_weights(uvec3 corner, vec3 ray) {

@@ -1,5 +1,6 @@
 #include "brdf.glsl"
 #include "incoming.glsl"
+#include "mirror_share.glsl"
 #include "sample_cosine.glsl"
 #include "sample_visible_ggx.glsl"
 #include "spiral.glsl"
@@ -18,6 +19,14 @@
 // One set of visible normals of GGX serves all mixtures: its density is nowhere small where
 // Beckmann's is not, and a set per lobe would be coarser. The directions are the same in every pixel,
 // turned with the plane of incidence, so that what they err is smooth and no noise.
+//
+// Of so few directions a diffuse lobe would still see a bright horizon too much or too little. So they
+// only tell how far the light is off that of an even lobe under an open sky, whose sum is known: a
+// control variate.
+#if defined(DIFFUSE) && !defined(SPECULAR_LIGHT)
+#define EVEN_LOBE
+#include "irradiance_exact.glsl"
+#endif
 uniform ivec3 pixel_samples; // GGX, Beckmann, cosine, where a pixel has one shading point
 uniform ivec3 set_samples;   // and for each shading point where it has more
 uniform float light_sharers; // how many such pixels make one of the picture
@@ -32,24 +41,60 @@ float filtered_density(vec3 wi, vec3 wo, Material m, ivec2 count) {
     return density;
 }
 
+// The level of the light for a sample of a density.
+float sample_lod(float density, float sharers) {
+    return incoming_lod(1.0 / (1.0 / (density * sharers) + mirror_share));
+}
+
+#ifdef EVEN_LOBE
+vec3 even_lobe(Material m) {
+    return INV_PI * (1.0 - m.f0) * m.albedo;
+}
+#endif
+
 vec3 filtered_sample(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec2 count, float sharers) {
     if (wi.z <= 0.0) return vec3(0.0);
     float density = filtered_density(wi, wo, m, count);
     if (density <= 0.0) return vec3(0.0);
-    return brdf(wi, wo, m) * wi.z / density * incoming(to_world * wi, incoming_lod(density * sharers));
+    vec3 world = to_world * wi;
+    float lod = sample_lod(density, sharers);
+    vec3 L = brdf(wi, wo, m) * incoming(world, lod);
+#ifdef EVEN_LOBE
+    L -= even_lobe(m) * environment(world, lod);
+#endif
+    return wi.z / density * L;
 }
 
 #ifdef LIGHTS
-vec3 lights(vec3 wo, mat3 to_world, Material m, ivec2 count, float sharers) {
+// `around` is what the environment gives: a light far dimmer than that may be seen roughly.
+vec3 lights(
+    vec3 wo, mat3 to_world, Material m, ivec2 count, float sharers, int set, int sets, vec3 around
+) {
     vec3 L = vec3(0.0);
-    for (int i = 0; i < light_count; ++i) {
+    Material wide = m;
+    // The variance of normals per axis, a 48th of the solid angle that they mirror, on top of that
+    // of facets, alpha² / 2: Kaplanyan et al. 2016, "Filtering Distributions of Normals".
+    wide.alpha = sqrt(m.alpha * m.alpha + mirror_share / 24.0);
+    int stride = max(sets / 16, 1);
+    float else_sent = (around.r + around.g + around.b) / (3.0 * float(stride));
+#ifdef COSINE
+    const float diffuse = INV_PI;
+#else
+    const float diffuse = 0.0;
+#endif
+    int found = find_lights(wo, to_world, wide.alpha, diffuse, else_sent, set % stride, stride);
+    for (int k = 0; k < found; ++k) {
+        int i = found_lights[k];
         vec3 world = light_towards[i].xyz, wi = world * to_world;
-        if (wi.z <= 0.0) continue;
-        float share = light_share(i, incoming_lod(filtered_density(wi, wo, m, count) * sharers));
-        if (share <= 0.0) continue;
-        L += share * light_visibility(i, world) * light_irradiance[i].rgb * brdf(wi, wo, m) * wi.z;
+        float share = light_share(i, sample_lod(filtered_density(wi, wo, m, count), sharers));
+        vec3 sent = share * light_irradiance[i].rgb * brdf(wi, wo, wide) * wi.z;
+        bool faint = sent.r + sent.g + sent.b < 3.0 * FAINT * else_sent;
+        L += sent * light_visibility(i, world, faint);
+#ifdef EVEN_LOBE
+        L -= share * wi.z * even_lobe(m) * light_irradiance[i].rgb;
+#endif
     }
-    return L;
+    return float(stride) * L;
 }
 #endif
 
@@ -74,8 +119,11 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
         L += filtered_sample(wi, wo, to_world, m, count, sharers);
     }
 #endif
+#ifdef EVEN_LOBE
+    L += even_lobe(m) * exact_irradiance(n, environment_turn);
+#endif
 #ifdef LIGHTS
-    L += lights(wo, to_world, m, count, sharers);
+    L += lights(wo, to_world, m, count, sharers, set, sets, L);
 #endif
     // Beside a bright edge the kernels' negative rims may outweigh the rest of a narrow lobe.
     return max(L, 0.0);

@@ -1,6 +1,10 @@
 #include "density.glsl"
 #include "frame.glsl"
 #include "here.glsl"
+#ifdef LIT_HITS
+#include "lights.glsl"
+#endif
+#include "positions.glsl"
 #include "hammersley.glsl"
 #include "sample_ggx.glsl"
 #include "sample_beckmann.glsl"
@@ -8,7 +12,8 @@
 #include "sample_anisotropic.glsl"
 #endif
 
-// What a surface sends to another one: coarsely, since it is seen through a reflection.
+// What a surface sends to another one: coarsely, since it is seen through a reflection. With LIT_HITS
+// lights are shaded apart from the environment, and each is seen or not; else they are blurred with it.
 uniform sampler2D materials;  // of each object, as renderer/surface.py lays them out
 uniform sampler2D normals;    // of each vertex
 uniform sampler2D irradiance; // of each vertex, of all that shines on it
@@ -75,26 +80,38 @@ vec3 direction_of(vec3 wo, int i, ivec3 count, WIDTH alpha) {
 #endif
 }
 
-// Of the environment with its lights, blurred over a sample's share of directions.
+// What arrives from a direction, blurred over a sample's share of directions.
 vec3 baked_light(vec3 world, float density) {
     float visibility = 0.0;
     vec3 L = baked_surfaces(world, visibility);
+#ifdef LIT_HITS
+    if (visibility > 0.0) L += visibility * environment(world, incoming_lod(density));
+#else
     if (visibility > 0.0) L += visibility * radiance(world, radiance_lod(world, density, 1.0));
+#endif
     return L;
 }
 
+const float COARSELY = 10.0; // so many times what matters to the eye directly matters here
+
 // Towards v and the directions in a solid angle of `share` around it, from where the `here_`
 // variables say, by `few` directions of the specular lobe. Of several observers each takes its own.
-vec3 surface_light(vec3 v, int object, int few, int observer, int observers, float share) {
+vec3 surface_light(vec3 v, int object, int few, int observer, int observers, float share, float t) {
     vec3 n = vec3(0.0), E = vec3(0.0);
+    float curvature = 0.0;
     for (int k = 0; k < 3; ++k) {
         ivec2 texel = row_texel(int(here_vertices[k]));
         n += here_weights[k] * texelFetch(normals, texel, 0).xyz;
+        curvature += here_weights[k] * texelFetch(positions, texel, 0).w;
         E += here_weights[k] * texelFetch(irradiance, texel, 0).rgb;
     }
     n = normalize(n);
     float cos_theta = dot(n, v);
     if (cos_theta <= 0.0) return vec3(0.0);
+    // A bundle of rays fans out where a curved surface reflects it. Wider than a steradian, the lobe
+    // that stands for it would lose too much below the horizon.
+    float fan = 1.0 + 2.0 * curvature * t;
+    share = min(share * fan * fan, 1.0);
     Material m = material_of(object);
     vec3 L = diffuse_share(m, cos_theta) * m.albedo * INV_PI * E;
     m.albedo = vec3(0.0);
@@ -112,5 +129,18 @@ vec3 surface_light(vec3 v, int object, int few, int observer, int observers, flo
         vec3 world = to_world * wi;
         specular += brdf(wi, wo, m) * wi.z / density * baked_light(world, 1.0 / (1.0 / density + share));
     }
+#ifdef LIT_HITS
+    Material wide = m;
+    wide.alpha = sqrt(m.alpha * m.alpha + share / 24.0); // as in shade_filtered.glsl
+    float else_sent = COARSELY * dot(L / float(observers) + specular, vec3(1.0 / 3.0));
+    int found = find_lights(wo, to_world, wide.alpha, 0.0, else_sent, observer, observers);
+    for (int k = 0; k < found; ++k) {
+        int i = found_lights[k];
+        vec3 world = light_towards[i].xyz, wi = world * to_world;
+        float density = sample_density(wi, wo, m, count);
+        float part = light_share(i, incoming_lod(1.0 / (1.0 / density + share)));
+        specular += part * baked_visibility(world) * light_irradiance[i].rgb * brdf(wi, wo, wide) * wi.z;
+    }
+#endif
     return L + float(observers) * specular;
 }

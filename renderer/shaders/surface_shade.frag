@@ -1,42 +1,26 @@
 #version 330
 #include "eye_ray.glsl"
+#include "coverage.glsl"
 #ifdef PLACED
 #include "place.glsl"
 #endif
 #include "reflected.glsl"
+#include "mirror_share.glsl"
 // Shades an object pixel by pixel, however many triangles it has there. With antialiasing,
 // coverage samples whose normals are alike are shaded as one; else each by its own normal, for a
 // mirror shows what is finer than a pixel.
-#ifdef ANTIALIASED
-uniform sampler2DMS surfaces;
-uniform int coverage_samples;
-#define TRIANGLES usampler2DMS
-#else
-uniform sampler2D surfaces;
-#define TRIANGLES usampler2D
-const int coverage_samples = 1;
-#endif
 uniform ivec2 corner; // of the surfaces' rectangle in the framebuffer
-uniform float number;
+uniform ivec2 turn;   // the first shading point of this pass, and the last but one
 uniform float finest_alpha; // the least width of the object's lobes
 layout(location = 0) out vec4 colour;
 #ifdef PLACED
-uniform TRIANGLES triangles;
 uniform float ray_offset; // in front of the triangle, so that it does not hit itself
 #endif
-
-vec4 surface_at(ivec2 pixel, int i) {
-#ifdef ANTIALIASED
-    return texelFetch(surfaces, pixel, i);
-#else
-    return texelFetch(surfaces, pixel, 0);
-#endif
-}
 
 // Tells the shading where it happens: on the triangle of a coverage sample.
 void place(ivec2 pixel, int i, vec3 ray) {
 #ifdef PLACED
-    uvec3 corner = corners_of(int(texelFetch(triangles, pixel, i).x)).xyz;
+    uvec3 corner = corners_of(triangle_at(pixel, i)).xyz;
     here_vertices = uint[](corner.x, corner.y, corner.z);
     here_weights = weights_at(corner, ray);
     vec3 a = position_of(corner.x), b = position_of(corner.y), c = position_of(corner.z);
@@ -66,23 +50,21 @@ void main() {
     place(pixel, last, ray);
     here_ray = ray;
     here_extent = 1.0;
-    alike = alike && !(coverage_samples == 4 && changes_within(footprint()));
+    alike = alike && !(extent_of_sample() < 1.0 && changes_within(footprint()));
 #endif
     int sets = alike ? 1 : coverage_samples;
-    for (int i = 0; i < sets; ++i) {
+    if (sets > 1) mirror_share = mirrored(pixel, v) / float(sets);
+    for (int i = turn.x; i < min(turn.y, sets); ++i) {
         vec4 surface = alike ? vec4(normalize(sum.xyz), number) : surface_at(pixel, i);
         if (surface.w != number) continue;
+        vec3 through = sets > 1 ? ray_of(ray, i) : ray;
 #ifdef TEXTURED
-        if (sets == 4) {
-            here_ray = ray_through_part(ray, i);
-            here_extent = 0.5;
-        }
-        place(pixel, alike ? last : i, here_ray);
-#else
-        place(pixel, alike ? last : i, ray);
+        here_ray = through;
+        here_extent = sets > 1 ? extent_of_sample() : 1.0;
 #endif
+        place(pixel, alike ? last : i, through);
         L += reflected(surface.xyz, v, i, sets);
     }
     float share = sum.w / float(coverage_samples);
-    colour = vec4(L / (alike ? 1.0 : sum.w) * share, share);
+    colour = vec4(L / (alike ? 1.0 : sum.w) * share, turn.x == 0 ? share : 0.0);
 }

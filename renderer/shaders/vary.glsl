@@ -38,12 +38,6 @@ vec4 carried(sampler2D values, vec3 weights) {
 vec3 here_ray;     // through the middle of what is shaded: the pixel, or a part of it
 float here_extent; // in pixels
 
-// The ray through part i of four of a pixel, in which the i-th of four coverage samples lies.
-vec3 ray_through_part(vec3 ray, int i) {
-    vec2 aside = (vec2(i & 1, i >> 1) - 0.5) / picture_size;
-    return ray + aside.x * right + aside.y * up;
-}
-
 Footprint footprint() {
     uvec3 corner = uvec3(here_vertices[0], here_vertices[1], here_vertices[2]);
     vec3 x = 2.0 * here_extent / picture_size.x * right, y = 2.0 * here_extent / picture_size.y * up;

@@ -13,7 +13,7 @@ from renderer.transport.placed import ROW
 from renderer.transport.scene import SceneGeometry
 
 # How many witnesses are asked, bounce by bounce: what they err is dimmed by all later ones.
-ASKED = (1, 1, 1, 1, 4)
+ASKED = (1, 1, 1, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +57,9 @@ def exchange(
     fill(target, once)
     now = {name: pair[0] for name, pair in pairs.items()} | {"direct": direct}
     for bounce, asked in enumerate(ASKED):
+        if asked > 1 and "LIGHTS" in defines:
+            defines |= {"LIT_HITS"}
+            shaders["local_radiance"] = program("fullscreen.vert", "local_radiance.frag", defines)
         for name, shader in shaders.items():
             side = (bounce + 1) % 2
             set_uniforms(shader, **uniforms, sight_count=geometry.sights, asked=asked)

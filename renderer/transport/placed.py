@@ -80,7 +80,7 @@ def place(objects: list[Tessellation]) -> Placed:
     return Placed(
         maps={
             "corners": rows(four(corners.astype(np.uint32), triangle_of), "u4"),
-            "positions": rows(four(points), "f4"),
+            "positions": rows(four(points, _curvature(points, normals, corners)), "f4"),
             "normals": rows(four(normals, vertex_of), "f4"),
             **_carried(objects),
         },
@@ -96,6 +96,18 @@ def place(objects: list[Tessellation]) -> Placed:
         triangles=points[corners],
         vertices=len(vertices),
     )
+
+
+def _curvature(points: np.ndarray, normals: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """How fast the normal turns around each vertex, (n,) float32 radians per length: root mean
+    square over the edges that meet there."""
+    ends = corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    turn, run = (((v[ends[:, 0]] - v[ends[:, 1]]) ** 2).sum(axis=1) for v in (normals, points))
+    sums = [
+        sum(np.bincount(ends[:, k], of, minlength=len(points)) for k in (0, 1))
+        for of in (turn, run)
+    ]
+    return np.float32(np.sqrt(sums[0] / np.maximum(sums[1], 1e-30)))
 
 
 def _carried(objects: list[Tessellation]) -> Maps:

@@ -10,7 +10,7 @@ from renderer.transport import stored
 from renderer.transport.bvh import build
 from renderer.transport.placed import Placed, four, place, rows
 from renderer.transport.tessellation import Tessellation, tessellate
-from renderer.transport.visibility import NOBODY, VERTEX, Visibility, bake
+from renderer.transport.visibility import NOBODY, SEEN, VERTEX, Visibility, bake
 from scenes.schema import Case
 
 
@@ -36,13 +36,14 @@ def scene_geometry(case: Case) -> SceneGeometry:
 def _loaded(_key: str, case: Case) -> SceneGeometry:
     objects, visibility = stored.baked(_key, lambda: _made(case))
     placed = place(objects)
-    sights, index = _sights(visibility)
+    sights, index, owner = _sights(visibility)
     baked = {
         "open_bits": rows(visibility.open.reshape(-1, 1), "u4"),
         "clear_bits": rows(visibility.clear.reshape(-1, 1), "u4"),
         "flux": rows(visibility.flux.reshape(-1, 2), "f1"),
         "sights": rows(sights, "u4"),
         "sight_index": rows(index, "u4"),
+        "sight_owner": rows(owner, "u4"),
         **_tree(placed.triangles),
     }
     size = float(np.ptp(placed.triangles.reshape(-1, 3), axis=0).max())
@@ -71,7 +72,8 @@ def _sights(visibility: Visibility) -> tuple[np.ndarray, np.ndarray]:
     index = np.full((visibility.seeing.size, 1), NOBODY)
     there = np.flatnonzero(visibility.seeing)
     index[there[order], 0] = np.arange(len(there), dtype=np.uint32)
-    return visibility.sights[order], index
+    owner = (there[order] // SEEN**2).astype(np.uint32)
+    return visibility.sights[order], index, owner[:, None]
 
 
 def _made(case: Case) -> tuple[list[Tessellation], Visibility]:

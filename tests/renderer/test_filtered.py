@@ -88,7 +88,8 @@ def test_a_small_light_leaves_no_fireflies_on_rough_metal(make_case, copper, nam
         HERE / "environments" / f"{name}.exr", ("sphere", copper(0.16), {}), size=(48, 48)
     )
     few, many = (
-        Renderer(technique(n), repeats=0).render(case) for n in ("filtered", "filtered@4096")
+        Renderer(replace(technique(n), grid=1), repeats=0).render(case)
+        for n in ("filtered", "filtered@4096")
     )
     on = few.ids > 0
     assert few.rgb[on].max() < 1.1 * many.rgb[on].max()
@@ -148,3 +149,15 @@ def test_nothing_is_darker_than_black(make_case):
     silver = Material(roughness=0.1, metallic=1.0, metal="Ag", weight=0.0)
     case = make_case(HERE / "environments" / "studio.exr", ("sphere", silver, {}), size=(96, 96))
     assert drawn(case, "filtered@16").rgb.min() >= 0
+
+
+@pytest.mark.parametrize("tilt", [0.0, 30.0])
+def test_a_floor_under_a_low_sun_gets_its_light(make_case, tilt):
+    """Few directions see a bright horizon too much or too little; what is missing is known."""
+    matte = Material(albedo=(0.8,) * 3, f0=0.05, roughness=0.8, metallic=0.0)
+    floor = ("plane", matte, {"scale": 9.0, "rotate": (tilt, 0.0, 0.0)})
+    camera = Camera(origin=(0, -3, 6), target=(0, 0, 0), fov=20)
+    case = make_case(HERE / "environments" / "sunset.exr", floor, camera=camera)
+    few, many = (drawn(case, name) for name in ("filtered", "sampled@32768"))
+    inside = few.ids > 0
+    assert few.rgb[inside].mean() == pytest.approx(many.rgb[inside].mean(), rel=0.01)

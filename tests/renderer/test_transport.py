@@ -15,10 +15,12 @@ from renderer.shading import Shading
 from renderer.transport import stored
 from renderer.transport.bvh import LEAF, build
 from renderer.transport.directions import cell_directions, cell_shares, cells_around
+from renderer.transport.placed import placed_meshes
 from renderer.transport.rays import Rays
 from renderer.transport.scene import _loaded, _tree, scene_geometry
 from renderer.transport.tessellation import Tessellation, tessellate
 from renderer.transport.visibility import FLUX, NOBODY, PER_SEEN, SEEN, SIDE, VERTEX, bake
+from scenes.mesh import world_mesh
 from scenes.schema import Camera, Material, Model
 
 
@@ -362,3 +364,14 @@ def test_more_vertices_than_can_be_baked_are_refused_in_one_line(
 ):
     monkeypatch.setattr("renderer.transport.visibility.MOST_VERTICES", 1000)
     refused(lambda: bake(tessellate(ball_and_plate)), "1,000", "without occlusion")
+
+
+def test_a_sphere_turns_its_normals_by_its_radius(light, make_case):
+    balls = (("sphere", GREY, {"scale": s, "position": (2 * s, 0, 0)}) for s in (0.5, 2.0))
+    case = make_case(light(1.0), *balls, ("plane", GREY, {}))
+    texels = np.frombuffer(placed_meshes(case).maps["positions"].read(), np.float32)
+    counts = np.cumsum([len(world_mesh(o).vertices) for o in case.objects])
+    small, large, flat = np.split(texels.reshape(-1, 4)[: counts[-1], 3], counts[:-1])
+    np.testing.assert_allclose(small, 2.0, rtol=0.01)
+    np.testing.assert_allclose(large, 0.5, rtol=0.01)
+    assert flat.max() < 1e-6

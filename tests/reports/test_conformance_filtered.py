@@ -76,7 +76,7 @@ def test_the_renderer_as_it_is_conforms(name):
         ("spiral.glsl", "0.618033988749895", "0.61", "samples"),
         ("shade_filtered.glsl", "wi.z * INV_PI", "wi.z * 0.3", "densities"),
         ("shade_filtered.glsl", "wi.z / density *", "0.9 / density *", "filtered light"),
-        ("shade_filtered.glsl", "L += share * light_vis", "L += light_vis", "filtered light"),
+        ("shade_filtered.glsl", "vec3 sent = share * ", "vec3 sent = ", "filtered light"),
         ("shade_filtered.glsl", "L += lights(", "L += 0.0 * lights(", "filtered light"),
         ("light_visibility.glsl", "return 1.0;", "return 0.5;", "filtered light"),
         ("lights.glsl", "+ 1.0, 0.0, 1.0)", "+ 3.0, 0.0, 1.0)", "filtered light"),

@@ -53,7 +53,7 @@ def of_filtered_samples(material: Material, how: Technique) -> list[Conformance]
     made = probe(call, {"u": u, "wo": wo}, ("sample_visible_ggx.glsl",))[:, :3]
     off = np.abs(made - oracle.sampled_visible_ggx(u, wo, alpha)).max()
     found.append(measured("samples", off, f"sample_visible_ggx, alpha {alpha:.3g}"))
-    ggx, beckmann, cosine = split_samples(material, how.per_set(material) * how.sets)
+    ggx, beckmann, cosine = split_samples(material, how.per_pixel(material))
     wi, wo = directions(alpha)
     ours = probe(
         f"vec4(filtered_density(wi.xyz, wo.xyz, {MATERIAL}, ivec2({ggx + beckmann}, {cosine})))",
@@ -104,8 +104,10 @@ def of_filtered_light(
     if material.alpha < WIDE:
         return []
     made = precomputed(environment.path)
-    made.need(MAPS)
-    maps, turn = {n: made.maps[n] for n in (BASE, "blurred_map")}, environment.rotation / 360
+    read = how.maps(material, model)
+    made.need(read)
+    maps = {name: made.maps[name] for name in (BASE, *read) if name != "lights_map"}
+    turn = environment.rotation / 360
     for unit, texture in enumerate(maps.values(), FIRST_UNIT):
         texture.use(unit)
     n, v = spread(PAIRS, 4), spread(PAIRS + 4, 5)[4:]

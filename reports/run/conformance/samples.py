@@ -35,7 +35,7 @@ def of_samples(material: Material, how: Technique) -> list[Conformance]:
         ]
         offs.append(cumulated(lobe, made[:, 2] / length, alpha) - u[:, 0])
         found.append(measured("samples", np.abs(offs).max(), f"sample_{lobe}, alpha {alpha:.3g}"))
-    count = split_samples(material, how.per_set(material) * how.sets)
+    count = split_samples(material, how.per_pixel(material))
     wi, wo = directions(alpha)
     ours = probe(
         f"vec4(sample_density(wi.xyz, wo.xyz, {MATERIAL}, ivec3({', '.join(map(str, count))})))",

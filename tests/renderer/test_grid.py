@@ -1,0 +1,139 @@
+"""Finer coverage where triangles are smaller than pixels: when, and that it loses nothing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import renderer.features as features
+from renderer.draw import Renderer
+from renderer.features import TRACED, technique
+from renderer.grid import MOST_SAMPLES, grid_of
+from renderer.probe import probe
+from renderer.view import view
+from scenes.schema import Camera, Material
+from scenes.suite import HERE
+
+SILVER = Material(roughness=0.1, metallic=1.0, metal="Ag")
+WHITE = Material(roughness=0.1, metallic=1.0, metal=[1.0, 1.0, 1.0])
+BUNNY = str(HERE / "meshes" / "bunny.ply")
+
+
+def grid(case, most=4, scale=1):
+    size = (case.width * scale, case.height * scale)
+    return grid_of(case.objects, view(case), size, most, 4)
+
+
+def test_the_smaller_the_triangles_the_finer_the_grid(light, make_case):
+    path = light(1.0)
+    near = make_case(path, (BUNNY, SILVER, {"height": 1.0}), size=(120, 90))
+    grids = [grid(near, scale=k) for k in (1, 2, 4, 8, 16)]
+    assert grids == sorted(grids, reverse=True)
+    assert grids[0] == 4 and grids[-1] == 1
+    assert grid(near, most=2) == 2
+    assert grid(make_case(path, ("plane", SILVER, {}))) == 1
+
+
+def test_the_smallest_triangles_of_all_objects_count_and_their_scale(light, make_case):
+    plane, bunny = ("plane", SILVER, {}), (BUNNY, SILVER, {"height": 1.0})
+    assert grid(make_case(light(1.0), plane, bunny)) == 4
+    flat = (BUNNY, SILVER, {"scale": [400.0, 400.0, 1e-3]})
+    assert grid(make_case(light(1.0), flat)) == 1  # by area in space, not by the mesh's own
+
+
+def test_what_lies_behind_the_eye_asks_for_nothing(light, make_case):
+    behind = (BUNNY, SILVER, {"height": 1.0, "position": (0.0, -9.0, 0.0)})
+    assert grid(make_case(light(1.0), ("plane", SILVER, {}), behind)) == 1
+
+
+def test_a_large_picture_stays_within_memory(light, make_case):
+    dense = make_case(light(1.0), (BUNNY, SILVER, {"scale": 200.0, "position": (0, 0, -20)}))
+    cloud = make_case(light(1.0), (BUNNY, SILVER, {"height": 1.0}), size=(4000, 3000))
+    for case in (dense, cloud):
+        assert grid(case, most=64) ** 2 * case.width * case.height * 4 <= 4 * MOST_SAMPLES
+
+
+def test_a_mirror_of_fine_ripples_nears_what_whole_pixels_give(make_case):
+    """A silver bunny of 60 pixels, beside 8 x 8 pixels a pixel."""
+    sky = HERE / "environments" / "courtyard.exr"
+    camera = Camera(origin=(0, -4, 0.6), target=(0, 0, 0.5), fov=20)
+    case = make_case(sky, (BUNNY, SILVER, {"height": 1.0}), size=(64, 64), camera=camera)
+
+    def drawn(**changed):
+        how = replace(technique("filtered"), **changed)
+        return Renderer(how, repeats=0).render(case)
+
+    true = drawn(supersample=8, samples=4096, grid=1)
+    inside = true.ids > 0
+
+    def off(frame):
+        return np.abs(frame.rgb - true.rgb)[inside].mean() / true.rgb[inside].mean()
+
+    assert off(drawn()) < 0.5 * off(drawn(grid=1))
+    assert drawn().rgb[inside].mean() == pytest.approx(true.rgb[inside].mean(), rel=0.02)
+
+
+def test_even_light_stays_even_however_normals_turn(light, make_case):
+    case = make_case(light(1.0), (BUNNY, WHITE, {"height": 1.0}), size=(48, 48))
+    frame = Renderer(technique("filtered"), repeats=0).render(case)
+    inside = frame.ids > 0
+    assert frame.rgb[inside].mean() == pytest.approx(1, abs=0.01)
+
+
+def test_shares_of_a_pixel_add_up_however_fine_the_grid(light, make_case):
+    """A white square, seen aslant, that vanishes in its surroundings."""
+    square = ("plane", WHITE, {"rotate": (90.0, 0.0, 0.0), "scale": 0.6})
+    camera = Camera(origin=(0, -4, 0), target=(0, 0, 0), fov=40, up=(0.13, 0, 1))
+    case = make_case(light(1.0), square, (BUNNY, WHITE, {"height": 1e-4}), camera=camera)
+    dark = make_case(light(0.0), square, (BUNNY, WHITE, {"height": 1e-4}), camera=camera)
+    for parts in (1, 2, 4):
+        how = replace(technique("filtered"), grid=parts)
+        shown = Renderer(how, repeats=0).render(case).rgb
+        assert shown == pytest.approx(np.ones_like(shown), abs=0.02)  # shares add up to 1
+        assert Renderer(how, repeats=0).render(dark).rgb.max() == 0
+
+
+def test_a_picture_in_turns_is_the_picture(monkeypatch, light, make_case):
+    sky = np.random.default_rng(2).random((16, 32, 3))
+    pair = [("sphere", SILVER, {"position": (x, 0.0, 0.0), "scale": 0.5}) for x in (-0.6, 0.6)]
+    case = make_case(light(sky), *pair, size=(32, 24))
+    how = technique("best")
+    assert grid(case) == 4
+    in_turns = Renderer(how, repeats=0).render(case).rgb
+    assert len(replace(how, grid=4).turns(SILVER)) == 4
+    monkeypatch.setattr(features, "PASS_RAYS", 1 << 10)
+    assert len(replace(how, grid=4).turns(SILVER)) == 1
+    at_once = Renderer(how, repeats=0).render(case).rgb
+    np.testing.assert_allclose(in_turns, at_once, rtol=1e-5, atol=1e-7)
+
+
+def test_turns_hold_every_shading_point_once():
+    for name in ("paper", "filtered", "best"):
+        for parts in (1, 2, 4):
+            for roughness in (0.05, 0.1, 0.17, 0.5):
+                how, metal = replace(technique(name), grid=parts), SILVER.model_copy()
+                metal = metal.model_copy(update={"roughness": roughness})
+                told = [i for first, last in how.turns(metal) for i in range(first, last)]
+                assert told == list(range(how.sets))
+                most = features.PASS_RAYS
+                if how.traces(metal):
+                    rays = [(b - a) * how.per_set(metal) for a, b in how.turns(metal)]
+                    assert max(rays) <= max(most, how.per_set(metal))
+                    assert how.per_pixel(metal) <= features.ALIKE_RAYS
+                    assert metal.alpha < TRACED
+
+
+@pytest.mark.parametrize("sets", [1, 4, 16, 64])
+@pytest.mark.parametrize("count", [1, 4])
+def test_the_sets_of_a_pixel_share_the_disc_and_neighbours_lie_apart(sets, count):
+    i, s = (x.reshape(-1) for x in np.meshgrid(np.arange(count), np.arange(sets)))
+    found = probe(
+        f"vec4(spiral(int(a.x), {count}, int(a.y), {sets}), 0.0, 0.0)",
+        {"a": np.stack([i, s], axis=1).astype(np.float32)},
+        ("spiral.glsl",),
+    )[:, :2]
+    rings = np.sort(found[:, 0])
+    np.testing.assert_allclose(rings, (np.arange(count * sets) + 0.5) / (count * sets), atol=1e-6)
+    first = found[i == 0, 0] * count
+    if sets > 4:
+        assert np.abs(np.diff(first)).min() > 0.2
