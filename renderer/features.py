@@ -185,10 +185,12 @@ class Technique:
 
     def per_set(self, material: Material) -> int:
         """Directions of a material in each set of a drawn pixel."""
-        samples = self.samples
+        samples, least = self.samples, 1
         if self.traces(material):
             samples = min(samples, RAYS * (material.alpha / TRACED) ** 2)
-        return max(ceil(samples / (self.supersample**2 * self.sets)), 1)
+            # Of fewer `split_samples` leaves the diffuse lobe none, and it has no shadows.
+            least = 4 if _some_diffuse(material) else 1
+        return max(ceil(samples / (self.supersample**2 * self.sets)), least)
 
     def per_pixel(self, material: Material) -> int:
         """Directions of a drawn pixel that has one set for all."""

@@ -123,6 +123,20 @@ def test_turns_hold_every_shading_point_once():
                     assert metal.alpha < TRACED
 
 
+def test_smooth_plastic_balls_shade_each_other_as_rough_ones_do(light, make_case):
+    """The diffuse lobe of a smooth dielectric sends rays of its own, however few a pixel has."""
+    shown = {}
+    for roughness in (0.1, 0.6):
+        white = Material(albedo=(0.8,) * 3, f0=0.02, roughness=roughness, metallic=0.0)
+        balls = [("sphere", white, {"scale": 0.5, "position": (x, 0, 0)}) for x in (-1, 0, 1)]
+        case = make_case(light(1.0), *balls)
+        frame = Renderer(technique("shadowed"), repeats=0).render(case)
+        shown[roughness] = frame.rgb[frame.ids == 2]
+    smooth, rough = (np.percentile(x, 10) for x in shown.values())
+    assert smooth == pytest.approx(rough, rel=0.06)
+    assert rough < 0.7
+
+
 @pytest.mark.parametrize("sets", [1, 4, 16, 64])
 @pytest.mark.parametrize("count", [1, 4])
 def test_the_sets_of_a_pixel_share_the_disc_and_neighbours_lie_apart(sets, count):
