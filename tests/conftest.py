@@ -41,6 +41,15 @@ def _users_results_stay():
     assert (folder.stat().st_mtime_ns if folder.exists() else None) == before
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _users_bakes_stay(tmp_path_factory):
+    """Bakes that tests make go to a folder of theirs, not to the user's cache."""
+    folder = tmp_path_factory.mktemp("bakes")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("renderer.transport.stored.folder", lambda: folder)
+        yield
+
+
 @pytest.fixture
 def refused():
     """Call something that must raise InputError whose one line holds all the given words."""

@@ -75,7 +75,7 @@ vec3 lights(
     // The variance of normals per axis, a 48th of the solid angle that they mirror, on top of that
     // of facets, alpha² / 2: Kaplanyan et al. 2016, "Filtering Distributions of Normals".
     wide.alpha = sqrt(m.alpha * m.alpha + mirror_share / 24.0);
-    int stride = max(sets / 16, 1);
+    int stride = max(sets / 16, 1); // 16 shading points of a pixel tell a light well enough
     float else_sent = (around.r + around.g + around.b) / (3.0 * float(stride));
 #ifdef COSINE
     const float diffuse = INV_PI;

@@ -57,12 +57,12 @@ def placed_meshes(case: Case) -> Placed:
     Raises:
         InputError: a mesh lacks what a material's maps need.
     """
-    return _placed(stored.key(case), case.model_copy(update={"id": ""}))
+    return _placed(stored.placement(case))
 
 
 @lru_cache(maxsize=4)
-def _placed(_key: str, case: Case) -> Placed:
-    return place(untouched(case))
+def _placed(placement: stored.Placement) -> Placed:
+    return place(untouched(placement.case))
 
 
 def place(objects: list[Tessellation]) -> Placed:

@@ -29,12 +29,12 @@ class SceneGeometry(Placed):
 
 def scene_geometry(case: Case) -> SceneGeometry:
     """The baked geometry of a case, from disk where it has been made before."""
-    return _loaded(stored.key(case), case.model_copy(update={"id": ""}))
+    return _loaded(stored.placement(case))
 
 
 @lru_cache(maxsize=4)
-def _loaded(_key: str, case: Case) -> SceneGeometry:
-    objects, visibility = stored.baked(_key, lambda: _made(case))
+def _loaded(placement: stored.Placement) -> SceneGeometry:
+    objects, visibility = stored.baked(placement.key, lambda: _made(placement.case))
     placed = place(objects)
     sights, index, owner = _sights(visibility)
     baked = {

@@ -5,7 +5,7 @@ import json
 import os
 import zipfile
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +25,16 @@ def folder() -> Path:
     return Path(base) / "shadeproof" / "bakes"
 
 
-def key(case: Case) -> str:
-    """Names the geometry of a case: its meshes by content, and where they stand."""
+@dataclass(frozen=True)
+class Placement:
+    """A case by its geometry alone: equal to any other that is placed and baked alike."""
+
+    key: str
+    case: Case = field(compare=False)
+
+
+def placement(case: Case) -> Placement:
+    """Keys the geometry of a case: its meshes by content, and where they stand."""
     placing = {"mesh", "position", "rotate", "scale", "height"}
     placed = [
         o.model_dump(mode="json", include=placing)
@@ -34,10 +42,13 @@ def key(case: Case) -> str:
         for o in case.objects
     ]
     # Materials count only by what their vertices carry.
-    carrying = [sorted(surface(o).carried) for o in case.objects]
+    carrying = [
+        {name: hashlib.sha256(a.tobytes()).hexdigest() for name, a in surface(o).carried.items()}
+        for o in case.objects
+    ]
     extra = [carrying] if any(carrying) else []
     text = json.dumps([VERSION, SIDE, SEEN, placed, *extra], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return Placement(hashlib.sha256(text.encode()).hexdigest(), case)
 
 
 Baked = tuple[list[Tessellation], Visibility]
@@ -74,8 +85,8 @@ def _make_room(newest: Path) -> None:
 def _read(path: Path) -> Baked:
     with np.load(path) as arrays:
         count = sum(name.startswith("faces") for name in arrays.files)
-        parts = [field.name for field in fields(Tessellation)]
+        parts = [of.name for of in fields(Tessellation)]
         objects = [Tessellation(*(arrays[f"{part}{k}"] for part in parts)) for k in range(count)]
-        held = {field.name: arrays[field.name] for field in fields(Visibility)}
+        held = {of.name: arrays[of.name] for of in fields(Visibility)}
     path.touch()
     return objects, Visibility(**held | {"seeing": np.unpackbits(held["seeing"], axis=1) > 0})

@@ -22,6 +22,7 @@ from renderer.transport.tessellation import Tessellation, tessellate
 from renderer.transport.visibility import FLUX, NOBODY, PER_SEEN, SEEN, SIDE, VERTEX, bake
 from scenes.mesh import world_mesh
 from scenes.schema import Camera, Material, Model
+from scenes.suite import HERE
 
 
 def precomputed_maps(case):
@@ -38,7 +39,8 @@ ABOVE = Camera(origin=(0, -4, 4), target=(0, 0, 0), fov=40)
 
 @pytest.fixture(autouse=True)
 def _own_bakes(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr(stored, "folder", lambda: tmp_path / "bakes")
+    _loaded.cache_clear()
 
 
 @pytest.fixture
@@ -338,6 +340,27 @@ def test_a_scene_is_baked_once_and_again_where_its_file_is_damaged(ball_and_plat
     assert fresh().sights == first.sights and len(made) == 2
 
 
+def test_cases_of_one_geometry_share_it(ball_and_plate):
+    """A sweep of materials, lights or cameras loads and uploads it once."""
+    other = [o.model_copy(update={"material": WHITE}) for o in ball_and_plate.objects]
+    changed = {"id": "other", "objects": tuple(other), "camera": ABOVE, "width": 31}
+    assert scene_geometry(ball_and_plate.model_copy(update=changed)) is scene_geometry(
+        ball_and_plate
+    )
+
+
+def test_what_vertices_carry_is_geometry(light, make_case):
+    """Texture coordinates are stored with a bake, as often as the material repeats them."""
+    picture = HERE / "textures" / "worn_roughness.png"
+
+    def placement(repeat):
+        maps = {"roughness": str(picture), "repeat": repeat}
+        worn = Material(roughness=1.0, metallic=1.0, metal="Cu", maps=maps)
+        return stored.placement(make_case(light(1.0), ("plane", worn, {})))
+
+    assert placement(1.0) == placement(1.0) != placement(2.0)
+
+
 def test_old_bakes_make_room(ball_and_plate, monkeypatch):
     scene_geometry(ball_and_plate)
     (old,) = stored.folder().iterdir()
@@ -354,7 +377,7 @@ def test_a_bake_is_known_by_geometry_alone(ball_and_plate, copper):
     moved = ball.model_copy(update={"position": (0.0, 0.0, 1.1)})
 
     def key(*objects):
-        return stored.key(ball_and_plate.model_copy(update={"objects": objects}))
+        return stored.placement(ball_and_plate.model_copy(update={"objects": objects}))
 
     assert key(ball, plate) == key(other, plate) != key(moved, plate)
 
