@@ -179,7 +179,10 @@ def test_means_of_a_picture_are_those_of_the_bilinear_one():
     place = (np.arange(6 * n) + 0.5) / n - 0.5, (np.arange(5 * n) + 0.5) / n - 0.5
     x, y = (np.floor(p).astype(int) for p in place)
     fx, fy = (place[0] - x)[None, :], (place[1] - y)[:, None]
-    at = lambda j, i: texels[(y + j)[:, None] % 5, (x + i)[None, :] % 6, 0]  # noqa: E731
+
+    def at(j, i):
+        return texels[(y + j)[:, None] % 5, (x + i)[None, :] % 6, 0]
+
     fine = (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(0, 1)) + fy * (
         (1 - fx) * at(1, 0) + fx * at(1, 1)
     )
