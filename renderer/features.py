@@ -107,12 +107,15 @@ LOST_LIGHT = {"KD_INTERFACE", "KD_CONSERVING", "MULTISCATTER"}  # these read a t
 # Mesa's llvmpipe ends the loops of a shader, silently, after 65,535 turns in all.
 MOST_SAMPLES = 65_000
 
+GROUP = 4  # coverage samples, or groups of them, that may share a shading point
+MOST_POINTS = GROUP**3  # shading points of a pixel
+
 # Lobes narrower than this, in alpha, are traced: what is baked has cells of .11 radians.
 TRACED = 0.1
 # Rays a pixel for the widest of them; narrower ones need fewer, but one for each shading point.
-RAYS = 64
+RAYS, FEWEST_RAYS = 64, 4
 # Rays of one pass: each may visit hundreds of nodes, and of all loops' turns there are 65,535.
-PASS_RAYS, ALIKE_RAYS = 16, 32  # the latter where a pixel has one shading point
+PASS_RAYS = 16
 
 FINE = "_fine"  # ends the names of maps made much more finely than a technique would
 
@@ -183,30 +186,52 @@ class Technique:
         """Whether rays are traced for a material, where others read what is baked."""
         return self.occlusion and material.alpha < TRACED
 
-    def per_set(self, material: Material) -> int:
-        """Directions of a material in each set of a drawn pixel."""
+    def per_point(self, material: Material, points: int) -> int:
+        """Directions of a material at each of so many shading points of a drawn pixel."""
         samples, least = self.samples, 1
         if self.traces(material):
-            samples = min(samples, RAYS * (material.alpha / TRACED) ** 2)
+            asked = max(RAYS * (material.alpha / TRACED) ** 2, FEWEST_RAYS)
+            samples = min(samples, asked, PASS_RAYS * self.points)
             # Of fewer `split_samples` leaves the diffuse lobe none, and it has no shadows.
             least = 4 if _some_diffuse(material) else 1
-        return max(ceil(samples / (self.supersample**2 * self.sets)), least)
+        return max(ceil(samples / (self.supersample**2 * points)), least)
+
+    def per_set(self, material: Material) -> int:
+        """The same where each coverage sample is a shading point."""
+        return self.per_point(material, self.coverage)
 
     def per_pixel(self, material: Material) -> int:
-        """Directions of a drawn pixel that has one set for all."""
-        together = self.per_set(material) * self.sets
-        return min(together, ALIKE_RAYS) if self.traces(material) else together
+        """The same where one stands for all of them."""
+        return self.per_set(material) * self.coverage
 
-    def turns(self, material: Material) -> tuple[tuple[int, int], ...]:
-        """The shading points of a pixel, by passes: first, and first of the next."""
-        step = max(PASS_RAYS // self.per_set(material), 1) if self.traces(material) else self.sets
-        starts = range(0, self.sets, step)
-        return tuple((k, min(k + step, self.sets)) for k in starts)
+    def least_points(self, material: Material) -> int:
+        """Shading points that a drawn pixel has at least: a pass cannot hold all rays of one."""
+        points = 1
+        while self.traces(material) and self.per_point(material, points) > PASS_RAYS:
+            points *= GROUP
+        return points
+
+    def turns(self, material: Material) -> int:
+        """In how many passes the shading points of a pixel are shaded; a power of 2."""
+        if not self.traces(material):
+            return 1
+        in_one = max(PASS_RAYS // self.per_point(material, self.points), 1)
+        return max(self.points // (1 << in_one.bit_length() - 1), 1)
 
     @property
-    def sets(self) -> int:
-        """How many sets of directions a drawn pixel may have, one for each coverage sample."""
+    def coverage(self) -> int:
+        """Coverage samples of a drawn pixel."""
         return max(self.msaa, 1) * self.grid**2
+
+    @property
+    def points(self) -> int:
+        """How many shading points a drawn pixel may have."""
+        return min(self.coverage, MOST_POINTS)
+
+    @property
+    def grouped(self) -> bool:
+        """Whether coverage samples may share shading points by fours."""
+        return self.shade == "shade_filtered.glsl" and self.msaa == GROUP
 
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""

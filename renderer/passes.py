@@ -25,7 +25,7 @@ class Draw:
         uniforms: of both programs.
         culled: whether its back faces are hidden for sure.
         covered: the part of the picture that it may touch.
-        turns: the shading points of a pixel, pass by pass: the first, and where the next starts.
+        turns: in how many passes the shading points of a pixel are shaded.
     """
 
     vertices: moderngl.VertexArray
@@ -35,7 +35,7 @@ class Draw:
     maps: Maps
     culled: bool
     covered: Rectangle
-    turns: tuple[tuple[int, int], ...]
+    turns: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +109,8 @@ def _shade(prepared: Prepared) -> None:
     for draw in prepared.draws:
         set_uniforms(draw.shading, **draw.uniforms, corner=target.corner, grid=target.grid)
         bind_maps(draw.shading, draw.maps | shown)
-        for turn in draw.turns:
-            set_uniforms(draw.shading, turn=turn)
+        for turn in range(draw.turns):
+            set_uniforms(draw.shading, turn=(turn, draw.turns))
             fill(target.finished, draw.shading, draw.covered)
 
 

@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from renderer.context import context
-from renderer.features import FINE, LOST_LIGHT, Technique, features, split_samples
+from renderer.features import FINE, GROUP, LOST_LIGHT, Technique, features, split_samples
 from renderer.precompute import texture
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.lost_light import LostLight, lost_light
@@ -63,13 +63,15 @@ class Shading:
         defines = self._features(obj.material) | frozenset(how.forced) | sides
         if obj.material.varies and texture.paired(obj):
             defines |= {"PAIRED"}
+        if how.grouped:
+            defines |= {"GROUPED"}
         if how.interreflection:
             defines |= self.any_material if how.traces(material) else INTERREFLECTION
         incoming = how.incoming(material)
         return program("fullscreen.vert", "surface_shade.frag", defines, how.shade, incoming)
 
-    def turns(self, obj: Object) -> tuple[tuple[int, int], ...]:
-        """The shading points of an object's pixels, pass by pass."""
+    def turns(self, obj: Object) -> int:
+        """In how many passes the shading points of an object's pixels are shaded."""
         return self.technique.turns(plain(obj))
 
     def uniforms(self, obj: Object) -> dict[str, Any]:
@@ -81,6 +83,8 @@ class Shading:
         if obj.material.varies:
             directed = "ANISOTROPIC" in self._features(obj.material)
             own |= varying_uniforms(obj.material, directed)
+        counts = [how.per_point(material, GROUP**k) for k in range(4)]
+        shares = [split_samples(material, count, model) for count in counts]
         if lost := self.lost[index]:
             own["multiscatter"] = lost.multiscatter
         return (
@@ -88,11 +92,15 @@ class Shading:
             | surface_uniforms(material, model)
             | {
                 "light_sharers": how.supersample**2 if how.filtered else 1e9,
-                "set_samples": split_samples(material, how.per_set(material), model),
                 "pixel_samples": split_samples(material, how.per_pixel(material), model),
+                "set_samples": split_samples(material, how.per_set(material), model),
+                "specular_samples": tuple(ggx + beckmann for ggx, beckmann, _ in shares),
+                "cosine_samples": tuple(cosine for *_, cosine in shares),
+                "least_points": how.least_points(material),
+                "most_points": how.points,
                 "prefilter_levels": float(LEVELS),
                 "lobe_layers": float(LAYERS),
-                "coverage_samples": how.sets if how.msaa else 0,
+                "coverage_samples": how.coverage if how.msaa else 0,
                 "part_samples": how.msaa,
             }
         )

@@ -29,19 +29,6 @@ vec4 surface_at(ivec2 pixel, int i) {
 int triangle_at(ivec2 pixel, int i) {
     return int(texelFetch(triangles, part_of(pixel, i), i % part_samples).x);
 }
-
-// The ray through the middle of what sample i stands for: its part or, of four, a quarter of it.
-vec3 ray_of(vec3 ray, int i) {
-    int part = i / part_samples;
-    vec2 aside = (vec2(part % grid, part / grid) + 0.5) / float(grid) - 0.5;
-    if (part_samples == 4) aside += (vec2(i & 1, i >> 1 & 1) - 0.5) * (0.5 / float(grid));
-    return ray + 2.0 * (aside.x / picture_size.x * right + aside.y / picture_size.y * up);
-}
-
-// How long a side of it is, in pixels.
-float extent_of_sample() {
-    return (part_samples == 4 ? 0.5 : 1.0) / float(grid);
-}
 #else
 vec4 surface_at(ivec2 pixel, int i) {
     return texelFetch(surfaces, pixel, 0);
@@ -49,14 +36,6 @@ vec4 surface_at(ivec2 pixel, int i) {
 
 int triangle_at(ivec2 pixel, int i) {
     return int(texelFetch(triangles, pixel, 0).x);
-}
-
-vec3 ray_of(vec3 ray, int i) {
-    return ray;
-}
-
-float extent_of_sample() {
-    return 1.0;
 }
 #endif
 

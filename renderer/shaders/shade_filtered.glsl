@@ -27,8 +27,9 @@
 #define EVEN_LOBE
 #include "irradiance_exact.glsl"
 #endif
-uniform ivec3 pixel_samples; // GGX, Beckmann, cosine, where a pixel has one shading point
-uniform ivec3 set_samples;   // and for each shading point where it has more
+// Of each shading point where a pixel has 1, 4, 16 or 64 of them.
+uniform ivec4 specular_samples;
+uniform ivec4 cosine_samples;
 uniform float light_sharers; // how many such pixels make one of the picture
 
 // Density of all samples together, per steradian; integrates to their number.
@@ -105,8 +106,8 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
     mat3 to_world = view_frame(n, v);
 #endif
     vec3 wo = v * to_world;
-    ivec3 shares = sets == 1 ? pixel_samples : set_samples;
-    ivec2 count = ivec2(shares.x + shares.y, shares.z);
+    int step = sets >= 64 ? 3 : sets >= 16 ? 2 : sets >= 4 ? 1 : 0;
+    ivec2 count = ivec2(specular_samples[step], cosine_samples[step]);
     float sharers = light_sharers * float(sets);
     vec3 L = vec3(0.0);
     for (int i = 0; i < count.x; ++i) {

@@ -1,6 +1,6 @@
 #version 330
 #include "eye_ray.glsl"
-#include "coverage.glsl"
+#include "shading_points.glsl"
 #ifdef PLACED
 #include "place.glsl"
 #endif
@@ -10,8 +10,6 @@
 // coverage samples whose normals are alike are shaded as one; else each by its own normal, for a
 // mirror shows what is finer than a pixel.
 uniform ivec2 corner; // of the surfaces' rectangle in the framebuffer
-uniform ivec2 turn;   // the first shading point of this pass, and the last but one
-uniform float finest_alpha; // the least width of the object's lobes
 layout(location = 0) out vec4 colour;
 #ifdef PLACED
 uniform float ray_offset; // in front of the triangle, so that it does not hit itself
@@ -41,30 +39,35 @@ void main() {
         }
     }
     if (sum.w == 0.0) discard;
-    // 2 (1 - r) is the variance of normals whose mean has length r. Below (alpha / 4)² it widens
-    // the lobe by 3 % at most.
-    float spread = 2.0 * (1.0 - length(sum.xyz) / sum.w);
-    bool alike = spread <= finest_alpha * finest_alpha / 16.0;
     vec3 ray = eye_ray(), v = -normalize(ray), L = vec3(0.0);
+    // 2 (1 - r) is the variance of normals whose mean has length r.
+    float spread = 2.0 * (1.0 - length(sum.xyz) / sum.w);
 #ifdef TEXTURED
     place(pixel, last, ray);
     here_ray = ray;
     here_extent = 1.0;
-    alike = alike && !(extent_of_sample() < 1.0 && changes_within(footprint()));
+    bool varied = extent_of(coverage_samples) < 1.0 && changes_within(footprint());
+#else
+    const bool varied = false;
 #endif
-    int sets = alike ? 1 : coverage_samples;
-    if (sets > 1) mirror_share = mirrored(pixel, v) / float(sets);
-    for (int i = turn.x; i < min(turn.y, sets); ++i) {
-        vec4 surface = alike ? vec4(normalize(sum.xyz), number) : surface_at(pixel, i);
-        if (surface.w != number) continue;
-        vec3 through = sets > 1 ? ray_of(ray, i) : ray;
+    int sets = points_of(spread, varied);
+#ifdef GROUPED
+    float within = spread / float(sets);
+    if (within > alike_variance()) mirror_share = mirrored(pixel, v) / float(sets);
+#endif
+    int first = (turn.x * sets + turn.y - 1) / turn.y, end = ((turn.x + 1) * sets + turn.y - 1) / turn.y;
+    for (int i = first; i < end; ++i) {
+        vec4 group = sets == 1 ? vec4(normalize(sum.xyz), 1.0) : group_of(pixel, i, sets, last);
+        if (group.w == 0.0) continue;
+        vec3 through = sets > 1 ? ray_of(ray, i, sets) : ray;
 #ifdef TEXTURED
         here_ray = through;
-        here_extent = sets > 1 ? extent_of_sample() : 1.0;
+        here_extent = sets > 1 ? extent_of(sets) : 1.0;
 #endif
-        place(pixel, alike ? last : i, through);
-        L += reflected(surface.xyz, v, i, sets);
+        place(pixel, last, through);
+        L += group.w * reflected(group.xyz, v, i, sets);
     }
+    if (sets > 1) L /= sum.w;
     float share = sum.w / float(coverage_samples);
-    colour = vec4(L / (alike ? 1.0 : sum.w) * share, turn.x == 0 ? share : 0.0);
+    colour = vec4(L * share, turn.x == 0 ? share : 0.0);
 }
