@@ -23,6 +23,7 @@ from renderer.transport.scene import scene_geometry
 from renderer.view import View, covered, view
 from scenes.frame import Frame
 from scenes.schema import Case, Object
+from scenes.surface import plain
 
 REPEATS = 5
 RAY_OFFSET = 2e-5  # of the scene's size: how far rays start from their triangle
@@ -108,7 +109,8 @@ class Renderer:
         if self.technique.occlusion:
             frame["ray_offset"] = RAY_OFFSET * geometry.size
         if self.technique.interreflection:
-            made = exchange(geometry, frame, maps, shading.any_material)
+            finely = [how.looks_finely(plain(o)) for o in case.objects]
+            made = exchange(geometry, frame, maps, shading.any_material, finely)
             maps, precomputation = maps | made.maps, precomputation + made.seconds
         draws = [
             self._draw(obj, shading, camera, size, part, frame, maps, geometry)

@@ -114,6 +114,8 @@ MOST_POINTS = GROUP**3  # shading points of a pixel
 TRACED = 0.1
 # Rays a pixel for the widest of them; narrower ones need fewer, but one for each shading point.
 RAYS, FEWEST_RAYS = 64, 4
+# Wider ones than this read the mean of much of what is baked.
+SEEN_FINELY = 0.4
 # Rays of one pass: each may visit hundreds of nodes, and of all loops' turns there are 65,535.
 PASS_RAYS = 16
 
@@ -185,6 +187,10 @@ class Technique:
     def traces(self, material: Material) -> bool:
         """Whether rays are traced for a material, where others read what is baked."""
         return self.occlusion and material.alpha < TRACED
+
+    def looks_finely(self, material: Material) -> bool:
+        """Whether what is baked is seen through a lobe so narrow that it must be exact."""
+        return not self.traces(material) and material.alpha < SEEN_FINELY
 
     def per_point(self, material: Material, points: int) -> int:
         """Directions of a material at each of so many shading points of a drawn pixel."""

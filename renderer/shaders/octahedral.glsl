@@ -1,6 +1,6 @@
 // Cells of an octahedral map of the sphere, the twin of renderer/transport/directions.py. Fine
 // cells are counted through one coarse cell after the other.
-const int SIDE = 32, SEEN = 8;
+const int SIDE = 32, SEEN = 16;
 const int PER_SIDE = SIDE / SEEN, PER_SEEN = PER_SIDE * PER_SIDE;
 
 int octahedral_cell(vec3 d) {

@@ -67,10 +67,14 @@ vec3 diffuse_share(Material m, float cos_theta) {
 #endif
 }
 
+// Moves the few directions from one asker to the next, whose mean then errs less.
+vec2 here_shift = vec2(0.0);
+
 // Direction i of those that the lobes share out by `count`.
 vec3 direction_of(vec3 wo, int i, ivec3 count, WIDTH alpha) {
     bool ggx = i < count.x;
     vec2 u = ggx ? hammersley(uint(i), uint(count.x)) : hammersley(uint(i - count.x), uint(count.y));
+    u = fract(u + here_shift);
 #if defined(D_GGX) && defined(D_BECKMANN)
     return reflect(-wo, ggx ? sample_ggx(u, alpha) : sample_beckmann(u, alpha));
 #elif defined(D_GGX)
@@ -99,7 +103,7 @@ const float COARSELY = 10.0; // so many times what matters to the eye directly m
 vec3 surface_light(vec3 v, int object, int few, int observer, int observers, float share, float t) {
     vec3 n = vec3(0.0), E = vec3(0.0);
     float curvature = 0.0;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < AROUND; ++k) {
         ivec2 texel = row_texel(int(here_vertices[k]));
         n += here_weights[k] * texelFetch(normals, texel, 0).xyz;
         curvature += here_weights[k] * texelFetch(positions, texel, 0).w;

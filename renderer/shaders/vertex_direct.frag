@@ -6,8 +6,8 @@
 // The environment's light on each vertex, through what is open of each coarse direction.
 uniform sampler2D normals;
 uniform sampler2D flux; // of each vertex and coarse direction, as transport/visibility.py has it
-const float FLUX = 255.0 / 2040.0;
-const int SUB = 2; // looks a side of a coarse cell
+const float FLUX = 255.0 / 8160.0;
+const int SUB = 1; // looks a side of a coarse cell
 layout(location = 0) out vec4 colour;
 
 // The solid angle of one look. An octahedron's faces are all equally far, so that a cell's falls as

@@ -3,7 +3,7 @@
 // All that shines on each vertex: the environment's light, and other surfaces'.
 uniform sampler2D direct; // of each vertex: vertex_direct.frag
 uniform sampler2D flux;   // as there
-const float FLUX = 255.0 / 2040.0;
+const float FLUX = 255.0 / 8160.0;
 layout(location = 0) out vec4 colour;
 
 void main() {

@@ -1,6 +1,8 @@
 """The light that a scene's surfaces send one another, bounce by bounce."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from time import perf_counter
 from typing import Any
 
@@ -10,10 +12,11 @@ from renderer.context import context
 from renderer.program import Maps, bind_maps, fill, program, set_uniforms
 from renderer.targets import release
 from renderer.transport.placed import ROW
-from renderer.transport.scene import SceneGeometry
+from renderer.transport.scene import TOGETHER, SceneGeometry
+from renderer.transport.visibility import WITNESSES
 
-# How many witnesses are asked, bounce by bounce: what they err is dimmed by all later ones.
-ASKED = (1, 1, 1, 3)
+BOUNCES = 4  # what each errs is dimmed by all later ones: the last alone is exact
+SHIFT = TOGETHER.bit_length() - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,52 +28,75 @@ class Exchanged:
 
 
 def exchange(
-    geometry: SceneGeometry, uniforms: dict[str, Any], maps: Maps, defines: frozenset[str]
+    geometry: SceneGeometry,
+    uniforms: dict[str, Any],
+    maps: Maps,
+    defines: frozenset[str],
+    finely: Sequence[bool],
 ) -> Exchanged:
     """Send light from surface to surface.
 
     Args:
         uniforms, maps: of the environment and the materials.
         defines: the features that any of the materials needs.
+        finely: whether each object looks into its surroundings through lobes so narrow that in the
+            last bounce all witnesses are asked, and lights shaded apart.
     """
     start, gl = perf_counter(), context()
-    sides = {"irradiance": geometry.vertices, "local_radiance": geometry.sights}
-    pairs = {
-        name: [gl.texture((ROW, max(-(-count // ROW), 1)), 4, dtype="f4") for _ in range(2)]
-        for name, count in sides.items()
-    }
-    targets = {name: [gl.framebuffer([t]) for t in pair] for name, pair in pairs.items()}
-    for target in targets["local_radiance"]:
-        target.clear()
-    shaders = {
-        "irradiance": program("fullscreen.vert", "vertex_irradiance.frag", defines),
-        "local_radiance": program("fullscreen.vert", "local_radiance.frag", defines),
-    }
+    maps = maps | geometry.maps
+    sights = geometry.first_sight[-1]
+    direct, *both = (_texture(geometry.vertices) for _ in range(3))
+    coarse = [_texture(sights // TOGETHER) for _ in range(2)]
     gl.enable_only(moderngl.NOTHING)
-    direct = gl.texture(pairs["irradiance"][0].size, 4, dtype="f4")
-    once, target = (
-        program("fullscreen.vert", "vertex_direct.frag", defines),
-        gl.framebuffer([direct]),
-    )
-    set_uniforms(once, **uniforms)
-    bind_maps(once, maps | geometry.maps)
-    fill(target, once)
-    now = {name: pair[0] for name, pair in pairs.items()} | {"direct": direct}
-    for bounce, asked in enumerate(ASKED):
-        if asked > 1 and "LIGHTS" in defines:
-            defines |= {"LIT_HITS"}
-            shaders["local_radiance"] = program("fullscreen.vert", "local_radiance.frag", defines)
-        for name, shader in shaders.items():
-            side = (bounce + 1) % 2
-            set_uniforms(shader, **uniforms, sight_count=geometry.sights, asked=asked)
-            bind_maps(shader, maps | geometry.maps | now)
-            fill(targets[name][side], shader)
-            now = now | {name: pairs[name][side]}
-    release(target, now.pop("direct"))
-    for name, both in targets.items():
-        release(*both)
-        for texture in pairs[name]:
-            if texture is not now[name]:
-                texture.release()
+    once = program("fullscreen.vert", "vertex_direct.frag", defines)
+    _fill(direct, once, uniforms, maps)
+    gathering = program("fullscreen.vert", "vertex_irradiance.frag", defines)
+    sending = program("fullscreen.vert", "local_radiance.frag", defines)
+    now = {"direct": direct, "local_radiance": coarse[0]}
+    _clear(coarse[0])
+    together = {"sight_range": (0, sights // TOGETHER), "made_shift": SHIFT, "asked": 1}
+    for bounce in range(BOUNCES):
+        side = bounce % 2
+        told = uniforms | {"sight_shift": SHIFT}
+        _fill(both[side], gathering, told, maps | now)
+        now["irradiance"] = both[side]
+        if bounce < BOUNCES - 1:
+            _fill(coarse[1 - side], sending, told | together, maps | now)
+            now["local_radiance"] = coarse[1 - side]
+    made = {"irradiance": now["irradiance"], "local_radiance": _texture(sights)}
+    lit = program("fullscreen.vert", "local_radiance.frag", defines | {"LIT_HITS"})
+    for fine, (first, end) in zip(finely, pairwise(geometry.first_sight), strict=True):
+        own = told | {"sight_range": (first, end), "asked": WITNESSES if fine else 1}
+        shader = lit if fine and "LIGHTS" in defines else sending
+        _fill(made["local_radiance"], shader, own | {"made_shift": 0}, maps | now, first, end)
+    for texture in {direct, *both, *coarse} - set(made.values()):
+        texture.release()
     gl.finish()
-    return Exchanged(now, perf_counter() - start)
+    return Exchanged(made, perf_counter() - start)
+
+
+def _texture(count: int) -> moderngl.Texture:
+    return context().texture((ROW, max(-(-count // ROW), 1)), 4, dtype="f4")
+
+
+def _clear(texture: moderngl.Texture) -> None:
+    target = context().framebuffer([texture])
+    target.clear()
+    release(target)
+
+
+def _fill(
+    texture: moderngl.Texture,
+    shader: moderngl.Program,
+    uniforms: dict[str, Any],
+    maps: Maps,
+    first: int = 0,
+    end: int | None = None,
+) -> None:
+    """Run a shader over a texture, or the rows that hold some of its elements."""
+    target = context().framebuffer([texture])
+    set_uniforms(shader, **uniforms)
+    bind_maps(shader, maps)
+    last = texture.height if end is None else -(-end // ROW)
+    fill(target, shader, (0, first // ROW, ROW, last - first // ROW))
+    release(target)

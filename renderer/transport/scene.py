@@ -10,8 +10,10 @@ from renderer.transport import stored
 from renderer.transport.bvh import build
 from renderer.transport.placed import Placed, four, place, rows
 from renderer.transport.tessellation import Tessellation, tessellate
-from renderer.transport.visibility import NOBODY, SEEN, VERTEX, Visibility, bake
+from renderer.transport.visibility import NOBODY, Visibility, bake
 from scenes.schema import Case
+
+TOGETHER = 4  # sights of a vertex, beside one another, that are shaded as one until the last bounce
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,11 +21,11 @@ class SceneGeometry(Placed):
     """What depends on a scene's geometry alone.
 
     Attributes:
-        sights: how many there are.
+        first_sight: of each object, and how many there are.
         size: of the scene's bounding box, its longest side.
     """
 
-    sights: int
+    first_sight: tuple[int, ...]
     size: float
 
 
@@ -48,7 +50,8 @@ def _loaded(placement: stored.Placement) -> SceneGeometry:
     }
     size = float(np.ptp(placed.triangles.reshape(-1, 3), axis=0).max())
     fields = vars(placed) | {"maps": placed.maps | baked}
-    return SceneGeometry(**fields, sights=len(sights), size=size)
+    first = np.searchsorted(owner[:, 0], np.cumsum([0, *(len(t.vertices) for t in objects)]))
+    return SceneGeometry(**fields, first_sight=tuple(first.tolist()), size=size)
 
 
 def _tree(triangles: np.ndarray) -> Maps:
@@ -63,17 +66,20 @@ def _tree(triangles: np.ndarray) -> Maps:
     }
 
 
-def _sights(visibility: Visibility) -> tuple[np.ndarray, np.ndarray]:
-    """Sights (m, WITNESSES) uint32, and where to find them, (vertices SEEN², 1) uint32.
+def _sights(visibility: Visibility) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sights (m, WITNESSES) uint32, vertex by vertex; where to find them, (vertices SEEN², 1)
+    uint32; and the vertex of each, (m, 1) uint32.
 
-    Those that see the same stand together: shaded in a row, they read the same.
+    The last of a vertex stands several times, so that it has groups of TOGETHER.
     """
-    order = np.argsort(visibility.sights.min(axis=1) & VERTEX, kind="stable")
+    counts = visibility.seeing.sum(axis=1)
+    owner = np.repeat(np.arange(len(counts)), -(-counts // TOGETHER) * TOGETHER)
+    held = np.bincount(owner, minlength=len(counts))
+    rank = np.arange(len(owner)) - np.repeat(np.cumsum(held) - held, held)
+    own = (np.cumsum(counts) - counts)[owner] + np.minimum(rank, counts[owner] - 1)
     index = np.full((visibility.seeing.size, 1), NOBODY)
-    there = np.flatnonzero(visibility.seeing)
-    index[there[order], 0] = np.arange(len(there), dtype=np.uint32)
-    owner = (there[order] // SEEN**2).astype(np.uint32)
-    return visibility.sights[order], index, owner[:, None]
+    index[visibility.seeing.ravel(), 0] = np.flatnonzero(rank < counts[owner])
+    return visibility.sights[own], index, owner.astype(np.uint32)[:, None]
 
 
 def _made(case: Case) -> tuple[list[Tessellation], Visibility]:

@@ -10,13 +10,13 @@ from renderer.transport.tessellation import Tessellation
 from scenes.errors import InputError
 
 SIDE = 32  # cells of the octahedral map that has a bit each
-SEEN = 8  # and of the coarser one that names what is seen
+SEEN = 16  # and of the coarser one that names what is seen
 PER_SEEN = (SIDE // SEEN) ** 2  # fine cells in a coarse one; they follow one another
 CHUNK = 1024  # vertices traced together
 JUST_BELOW, JUST_ABOVE = 0.1, 0.01  # cosines: how far below the horizon, and from where on
 LIFT = 1e-4  # of the scene's size: how far rays start from the surface
-FLUX = 1 / 2040  # in the middle of a face of the octahedron a coarse cell's share is .106
-WITNESSES = 4  # vertices that stand for what blocks a coarse direction
+FLUX = 1 / 8160  # in the middle of a face of the octahedron a coarse cell's share is .027
+WITNESSES = 3  # vertices that stand for what blocks a coarse direction
 VERTEX_BITS = 22  # of a witness; the rest names the fine cell that it stands in
 MOST_VERTICES = 1_000_000  # which take about a gigabyte
 VERTEX = np.uint32((1 << VERTEX_BITS) - 1)

@@ -17,9 +17,19 @@ from renderer.transport.bvh import LEAF, build
 from renderer.transport.directions import cell_directions, cell_shares, cells_around
 from renderer.transport.placed import placed_meshes
 from renderer.transport.rays import Rays
-from renderer.transport.scene import _loaded, _tree, scene_geometry
+from renderer.transport.scene import TOGETHER, _loaded, _sights, _tree, scene_geometry
 from renderer.transport.tessellation import Tessellation, tessellate
-from renderer.transport.visibility import FLUX, NOBODY, PER_SEEN, SEEN, SIDE, VERTEX, bake
+from renderer.transport.visibility import (
+    FLUX,
+    NOBODY,
+    PER_SEEN,
+    SEEN,
+    SIDE,
+    VERTEX,
+    WITNESSES,
+    Visibility,
+    bake,
+)
 from scenes.mesh import world_mesh
 from scenes.schema import Camera, Material, Model
 from scenes.suite import HERE
@@ -37,7 +47,7 @@ GREY = Material(albedo=(0.5, 0.5, 0.5), f0=0.0, roughness=0.5, metallic=0.0)
 ABOVE = Camera(origin=(0, -4, 4), target=(0, 0, 0), fov=40)
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture
 def _own_bakes(tmp_path, monkeypatch):
     monkeypatch.setattr(stored, "folder", lambda: tmp_path / "bakes")
     _loaded.cache_clear()
@@ -325,6 +335,7 @@ def test_parts_show_what_the_whole_shows(ball_and_plate, name):
     assert np.sqrt((off**2).mean()) < 1e-4
 
 
+@pytest.mark.usefixtures("_own_bakes")
 def test_a_scene_is_baked_once_and_again_where_its_file_is_damaged(ball_and_plate, monkeypatch):
     made = []
     monkeypatch.setattr("renderer.transport.scene.bake", lambda o: made.append(1) or bake(o))
@@ -334,10 +345,35 @@ def test_a_scene_is_baked_once_and_again_where_its_file_is_damaged(ball_and_plat
         return scene_geometry(ball_and_plate)
 
     first, again = fresh(), fresh()
-    assert len(made) == 1 and first.sights == again.sights
+    assert len(made) == 1 and first.first_sight == again.first_sight
     (path,) = stored.folder().iterdir()
     path.write_bytes(path.read_bytes()[:1000])
-    assert fresh().sights == first.sights and len(made) == 2
+    assert fresh().first_sight == first.first_sight and len(made) == 2
+
+
+def test_sights_stand_vertex_by_vertex_in_whole_groups():
+    rng = np.random.default_rng(3)
+    seeing = rng.random((40, SEEN**2)) < rng.random((40, 1)) ** 3
+    seeing[7] = False
+    told = rng.integers(0, 1 << 31, (seeing.sum(), WITNESSES), dtype=np.uint32)
+    some = np.zeros(0)
+    found, index, owner = _sights(Visibility(some, some, some, seeing, told))
+    np.testing.assert_array_equal(found[index[seeing.ravel(), 0]], told)
+    assert (index[~seeing.ravel()] == NOBODY).all()
+    groups = owner.reshape(-1, TOGETHER)
+    assert (groups == groups[:, :1]).all() and (np.diff(owner[:, 0].astype(int)) >= 0).all()
+    assert np.isin(found[:, 0], told[:, 0]).all()  # what fills a group up is real
+
+
+def test_each_object_may_look_finely(ball_and_plate):
+    """The sights of one object may be made in another way than those of the next."""
+    geometry = scene_geometry(ball_and_plate)
+    first = geometry.first_sight
+    owners = np.frombuffer(geometry.maps["sight_owner"].read(), np.uint32)[: first[-1]]
+    numbers = np.frombuffer(geometry.maps["normals"].read(), np.float32)[3::4]
+    for k in range(2):
+        assert (numbers[owners[first[k] : first[k + 1]]] == k).all()
+    assert first[0] == 0 < first[1] < first[2]
 
 
 def test_cases_of_one_geometry_share_it(ball_and_plate):
@@ -361,6 +397,7 @@ def test_what_vertices_carry_is_geometry(light, make_case):
     assert placement(1.0) == placement(1.0) != placement(2.0)
 
 
+@pytest.mark.usefixtures("_own_bakes")
 def test_old_bakes_make_room(ball_and_plate, monkeypatch):
     scene_geometry(ball_and_plate)
     (old,) = stored.folder().iterdir()
