@@ -11,6 +11,7 @@ from reports.html.colour import SIGNED, SIMILARITY, Scale
 from reports.html.energy_claim import ClaimView, energy_claim_view
 from reports.html.figures import METRICS, decisive, seconds, slug
 from reports.html.frames import CaseFrames
+from reports.html.gains import Gains, gains_of
 from reports.html.images import Picture, case_pictures, cause_maps, close_ups
 from reports.html.matrix import Matrix, label_of, matrices, row_id
 from reports.html.speed import SpeedView, speed_of
@@ -113,6 +114,7 @@ class Page:
     energy: str
     matrices: list[Matrix]
     labels: dict[str, str]
+    gains: Gains | None
     facts: list[Fact]
     cases: list[CaseView]
     groups: tuple[tuple[str, tuple[columns.Column, ...]], ...]
@@ -150,6 +152,7 @@ def page_of(results: Results, folder: Path) -> Page:
         energy="total" if worst and decisive(worst) == "energy_error" else "local",
         matrices=matrices(results.rows),
         labels={name: metric.label for name, metric in METRICS.items()},
+        gains=gains_of(results.rows),
         facts=facts(results),
         cases=views,
         groups=columns.GROUPS,
