@@ -54,8 +54,8 @@ def test_a_bench_tells_what_its_cases_do_without_and_what_was_skipped(found):
 def test_a_bench_ends_well_and_leaves_its_points(ran, found):
     names = [p.name for p in found.points]
     assert names[:3] == ["paper", "sampled@4", "Mitsuba 1"]
-    assert [p.samples for p in family(found, "path traced")] == [1, 2, 4, 8, 16, 36, 64]
-    assert [p.samples for p in family(found, "denoised")] == [1, 4, 16, 64]
+    assert [p.samples for p in family(found, "path traced")] == [1, 2, 4, 8, 16, 36, 64, 144, 256]
+    assert [p.samples for p in family(found, "denoised")] == [1, 4, 16, 64, 256]
     for point in found.points:
         assert 0 < point.frame.low <= point.frame.median <= point.frame.high
         assert point.frame.frames == 3

@@ -25,8 +25,8 @@ from scenes.schema import Case
 
 SAMPLER = "multijitter"
 # Those for which `multijitter` takes no other number: products of two near-equal integers.
-SAMPLES = (1, 2, 4, 8, 16, 36, 64)
-MOST_PATHS = 1 << 24  # a picture: 64 samples at 512x512, 8 at 1920x1080
+SAMPLES = (1, 2, 4, 8, 16, 36, 64, 144, 256)
+MOST_PATHS = 1 << 24  # a picture: 256 samples at 256x256, 8 at 1920x1080
 REPEATS = 3
 
 

@@ -117,7 +117,8 @@ def of_filtered_light(
     v = np.where((n * v).sum(axis=1, keepdims=True) < 0, -v, v).astype(np.float32)
     n = n.astype(np.float32)
     lights = light_uniforms(made.maps["lights_map"], turn)
-    many = split_samples(material, replace(how, samples=ENOUGH).samples)
+    ggx, beckmann, cosine = split_samples(material, replace(how, samples=ENOUGH).samples)
+    many = {"specular_samples": (ggx + beckmann,) * 4, "cosine_samples": (cosine,) * 4}
     ours = probe(
         f"vec4(shade(n.xyz, v.xyz, {MATERIAL}, 0, 1), 0.0)",
         {"n": n, "v": v},
@@ -125,7 +126,8 @@ def of_filtered_light(
         features(material, model) | ({"LIGHTS"} if lights else set()),
         uniforms_of(material)
         | {name: unit for unit, name in enumerate(maps, FIRST_UNIT)}
-        | {"environment_turn": turn, "pixel_samples": many, "light_sharers": 1.0}
+        | {"environment_turn": turn, "light_sharers": 1.0}
+        | many
         | lights,
         UNIFORMS,
     )[:, :3]
