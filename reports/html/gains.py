@@ -9,6 +9,8 @@ import numpy as np
 from reports.html.figures import NONE, digits, percent, seconds, similarity
 from reports.results import Row
 
+FULLEST = ("global", "direct", "unoccluded")  # of the case's own model
+
 
 @dataclass(frozen=True)
 class Gain:
@@ -30,7 +32,7 @@ class Gain:
 
 @dataclass(frozen=True)
 class Gains:
-    """The table: against the last truth of the run, of so many objects."""
+    """The table: against the fullest truth of the run, of so many objects."""
 
     truth: str
     objects: int
@@ -38,10 +40,11 @@ class Gains:
 
 
 def gains_of(rows: list[Row]) -> Gains | None:
-    """The table, if several techniques drew something in common against the last truth."""
+    """The table, if several techniques drew something in common against the fullest truth."""
     if not rows:
         return None
-    truth = list(dict.fromkeys(r.truth for r in rows))[-1]
+    told = {r.truth for r in rows}
+    truth = next((t for t in FULLEST if t in told), rows[0].truth)
     drawn: dict[str, dict[tuple[str, str], Row]] = {}
     for row in rows:
         if row.truth == truth:

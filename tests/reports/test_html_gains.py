@@ -15,7 +15,7 @@ def test_medians_are_of_what_all_techniques_drew_and_times_case_by_case():
     rows = [drawn("paper", 0.8, 10.0, **c) for c in two]
     rows += [drawn("best", s, ms, **c) for s, ms, c in zip((0.9, 0.98), (20, 40), two, strict=True)]
     rows += [drawn("best", 0.1, 1.0, case="c.noon")]  # which paper did not draw
-    rows.insert(0, drawn("best", 0.2, 1.0, truth="unoccluded", **two[0]))
+    rows.append(drawn("best", 0.2, 1.0, truth="unoccluded", **two[0]))
     found = gains_of(rows)
     paper, best = found.lines
     assert (found.truth, found.objects) == ("global", 2)
