@@ -112,8 +112,9 @@ MOST_POINTS = GROUP**3  # shading points of a pixel
 
 # Lobes narrower than this, in alpha, are traced: what is baked has cells of .11 radians.
 TRACED = 0.1
-# Rays a pixel for the widest of them; narrower ones need fewer, but one for each shading point.
-RAYS, FEWEST_RAYS = 64, 4
+# Rays a pixel for the widest of them; narrower ones need fewer, but one for each coverage sample
+# up to so many: where a pixel holds many triangles, it holds much of what they mirror.
+RAYS, FEWEST_RAYS = 64, 32
 # Wider ones than this read the mean of much of what is baked.
 SEEN_FINELY = 0.4
 # Rays of one pass: each may visit hundreds of nodes, and of all loops' turns there are 65,535.
@@ -196,7 +197,7 @@ class Technique:
         """Directions of a material at each of so many shading points of a drawn pixel."""
         samples, least = self.samples, 1
         if self.traces(material):
-            asked = max(RAYS * (material.alpha / TRACED) ** 2, FEWEST_RAYS)
+            asked = max(RAYS * (material.alpha / TRACED) ** 2, min(self.points, FEWEST_RAYS))
             samples = min(samples, asked, PASS_RAYS * self.points)
             # Of fewer `split_samples` leaves the diffuse lobe none, and it has no shadows.
             least = 4 if _some_diffuse(material) else 1
