@@ -54,10 +54,10 @@ def exchange(
     sending = program("fullscreen.vert", "local_radiance.frag", defines)
     now = {"direct": direct, "local_radiance": coarse[0]}
     _clear(coarse[0])
+    told = uniforms | {"sight_shift": SHIFT}
     together = {"sight_range": (0, sights // TOGETHER), "made_shift": SHIFT, "asked": 1}
     for bounce in range(BOUNCES):
         side = bounce % 2
-        told = uniforms | {"sight_shift": SHIFT}
         _fill(both[side], gathering, told, maps | now)
         now["irradiance"] = both[side]
         if bounce < BOUNCES - 1:
