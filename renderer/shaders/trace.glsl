@@ -36,21 +36,24 @@ void meet_triangle(int slot, vec3 origin, vec3 direction, inout Hit hit) {
     }
 }
 
-// The first hit or, if `any` will do, one of them.
+// The first hit or, if `any` will do, one of them. Processors that trace many rays together look for
+// the next leaf of each before they ask its triangles: Aila and Laine 2009.
 Hit trace(vec3 origin, vec3 direction, bool any) {
     Hit hit = Hit(FAR, -1, vec3(0.0), false);
     vec3 inverse = 1.0 / direction;
     int node = 0, end = int(texelFetch(bvh_nodes, ivec2(0), 0).w);
-    while (node < end && !(any && hit.triangle >= 0)) {
-        vec4 low = texelFetch(bvh_nodes, row_texel(2 * node), 0);
-        vec4 high = texelFetch(bvh_nodes, row_texel(2 * node + 1), 0);
-        if (!meets(low.xyz, high.xyz, origin, inverse, hit.t)) {
-            node = int(low.w);
-            continue;
+    while (node < end) {
+        int first = -1; // triangle of a leaf
+        while (node < end && first < 0) {
+            vec4 low = texelFetch(bvh_nodes, row_texel(2 * node), 0);
+            vec4 high = texelFetch(bvh_nodes, row_texel(2 * node + 1), 0);
+            bool met = meets(low.xyz, high.xyz, origin, inverse, hit.t);
+            if (met) first = int(high.w);
+            node = met ? node + 1 : int(low.w);
         }
-        int first = int(high.w);
-        for (int k = 0; k < LEAF && first >= 0; ++k) meet_triangle(first + k, origin, direction, hit);
-        ++node;
+        if (first < 0) break;
+        for (int k = 0; k < LEAF; ++k) meet_triangle(first + k, origin, direction, hit);
+        if (any && hit.triangle >= 0) break;
     }
     return hit;
 }
