@@ -1,14 +1,18 @@
 #include "environment.glsl"
 #include "octahedral.glsl"
 #include "rows.glsl"
+#include "rgbe.glsl"
 
 #include "here_point.glsl"
 
 uniform usampler2D open_bits;
 #ifdef INTERREFLECTION
-uniform usampler2D sight_index;   // of each vertex and coarse direction, or all ones
-uniform sampler2D local_radiance; // of each sight,
-uniform int sight_shift;          // or of so many together, as its logarithm
+uniform usampler2D seen_index;     // of each vertex and coarse direction: its sight, and
+uniform usampler2D local_radiance; // what shines from each sight,
+uniform int sight_shift;           // or from so many together, as its logarithm
+// A bit for each fine direction that is open above the number of the sight, which may be none.
+const int SIGHT_BITS = 32 - PER_SEEN; // as in renderer/transport/scene.py
+const uint SIGHT = (1u << SIGHT_BITS) - 1u;
 #endif
 
 bool bit(usampler2D bits, uint vertex, int cell) {
@@ -23,14 +27,18 @@ const int AROUND = 1;
 const int AROUND = 3;
 #endif
 
-// What shines on a vertex from a coarse direction, out of what is not open.
-vec3 sight_of(uint vertex, int coarse) {
 #ifdef INTERREFLECTION
-    uint sight = texelFetch(sight_index, row_texel(int(vertex) * (SEEN * SEEN) + coarse), 0).x;
-    if (sight != 0xFFFFFFFFu) return texelFetch(local_radiance, row_texel(int(sight) >> sight_shift), 0).rgb;
-#endif
-    return vec3(0.0);
+uint seen_from(uint vertex, int coarse) {
+    return texelFetch(seen_index, row_texel(int(vertex) * (SEEN * SEEN) + coarse), 0).x;
 }
+
+// What shines from there, out of what is not open.
+vec3 light_of(uint seen) {
+    uint sight = seen & SIGHT;
+    if (sight == SIGHT) return vec3(0.0);
+    return from_rgbe(texelFetch(local_radiance, row_texel(int(sight) >> sight_shift), 0).x);
+}
+#endif
 
 // Other surfaces' light from a direction, by what was baked at the vertices around; `visibility` is
 // the share of these from which it is open.
@@ -38,8 +46,14 @@ vec3 baked_surfaces(vec3 world, inout float visibility) {
     int cell = octahedral_cell(world);
     vec3 L = vec3(0.0);
     for (int k = 0; k < AROUND; ++k) {
-        if (bit(open_bits, here_vertices[k], cell)) visibility += here_weights[k];
-        else L += here_weights[k] * sight_of(here_vertices[k], cell / PER_SEEN);
+#ifdef INTERREFLECTION
+        uint seen = seen_from(here_vertices[k], cell / PER_SEEN);
+        bool open = (seen >> uint(SIGHT_BITS + cell % PER_SEEN) & 1u) != 0u;
+        if (!open) L += here_weights[k] * light_of(seen);
+#else
+        bool open = bit(open_bits, here_vertices[k], cell);
+#endif
+        if (open) visibility += here_weights[k];
     }
     return L;
 }

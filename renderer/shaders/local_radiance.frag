@@ -11,7 +11,7 @@ const int WITNESSES = 3, VERTEX_BITS = 22; // as there
 const uint NOBODY = 0xFFFFFFFFu;
 const int FEW = 2; // directions of each
 uniform int asked; // of the witnesses
-layout(location = 0) out vec4 colour;
+layout(location = 0) out uint radiance_there;
 
 void main() {
     ivec2 made = ivec2(gl_FragCoord.xy);
@@ -33,5 +33,5 @@ void main() {
         vec3 v = -octahedral_direction(int(witnesses[one] >> uint(VERTEX_BITS)));
         sum += surface_light(v, object, FEW, k, asked, share, distance(from, position_of(vertex)));
     }
-    colour = vec4(sum / float(asked), 1.0);
+    radiance_there = to_rgbe(sum / float(asked));
 }

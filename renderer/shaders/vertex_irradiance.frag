@@ -8,11 +8,12 @@ layout(location = 0) out vec4 colour;
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
-    int first = (texel.y * ROW + texel.x) * (SEEN * SEEN);
+    uint vertex = uint(texel.y * ROW + texel.x);
+    int first = int(vertex) * (SEEN * SEEN);
     vec3 E = vec3(0.0);
     for (int coarse = 0; coarse < SEEN * SEEN; ++coarse) {
         float through = texelFetch(flux, row_texel(first + coarse), 0).y;
-        if (through > 0.0) E += through * sight_of(uint(first / (SEEN * SEEN)), coarse);
+        if (through > 0.0) E += through * light_of(seen_from(vertex, coarse));
     }
     colour = texelFetch(direct, texel, 0) + vec4(PI * FLUX * E, 0.0);
 }

@@ -21,7 +21,8 @@ SHIFT = TOGETHER.bit_length() - 1
 
 @dataclass(frozen=True, eq=False)
 class Exchanged:
-    """`irradiance` of each vertex and `local_radiance` of each sight, row by row; seconds taken."""
+    """`irradiance` of each vertex and, packed, `local_radiance` of each sight, row by row; seconds
+    taken."""
 
     maps: Maps
     seconds: float
@@ -46,7 +47,7 @@ def exchange(
     maps = maps | geometry.maps
     sights = geometry.first_sight[-1]
     direct, *both = (_texture(geometry.vertices) for _ in range(3))
-    coarse = [_texture(sights // TOGETHER) for _ in range(2)]
+    coarse = [_packed(sights // TOGETHER) for _ in range(2)]
     gl.enable_only(moderngl.NOTHING)
     once = program("fullscreen.vert", "vertex_direct.frag", defines)
     _fill(direct, once, uniforms, maps)
@@ -63,7 +64,7 @@ def exchange(
         if bounce < BOUNCES - 1:
             _fill(coarse[1 - side], sending, told | together, maps | now)
             now["local_radiance"] = coarse[1 - side]
-    made = {"irradiance": now["irradiance"], "local_radiance": _texture(sights)}
+    made = {"irradiance": now["irradiance"], "local_radiance": _packed(sights)}
     lit = program("fullscreen.vert", "local_radiance.frag", defines | {"LIT_HITS"})
     for fine, (first, end) in zip(finely, pairwise(geometry.first_sight), strict=True):
         own = told | {"sight_range": (first, end), "asked": WITNESSES if fine else 1}
@@ -76,7 +77,19 @@ def exchange(
 
 
 def _texture(count: int) -> moderngl.Texture:
-    return context().texture((ROW, max(-(-count // ROW), 1)), 4, dtype="f4")
+    return _rows(count, 4, "f4")
+
+
+def _packed(count: int) -> moderngl.Texture:
+    """As rgbe.glsl packs colours."""
+    return _rows(count, 1, "u4")
+
+
+def _rows(count: int, components: int, dtype: str) -> moderngl.Texture:
+    size = ROW, max(-(-count // ROW), 1)
+    texture = context().texture(size, components, dtype=dtype)
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    return texture
 
 
 def _clear(texture: moderngl.Texture) -> None:

@@ -10,9 +10,10 @@ from renderer.transport import stored
 from renderer.transport.bvh import build
 from renderer.transport.placed import Placed, four, place, rows
 from renderer.transport.tessellation import Tessellation, tessellate
-from renderer.transport.visibility import NOBODY, Visibility, bake
+from renderer.transport.visibility import NOBODY, PER_SEEN, Visibility, bake
 from scenes.schema import Case
 
+SIGHT_BITS = 32 - PER_SEEN  # as in shaders/here.glsl
 TOGETHER = 4  # sights of a vertex, beside one another, that are shaded as one until the last bounce
 
 
@@ -44,7 +45,7 @@ def _loaded(placement: stored.Placement) -> SceneGeometry:
         "clear_bits": rows(visibility.clear.reshape(-1, 1), "u4"),
         "flux": rows(visibility.flux.reshape(-1, 2), "f1"),
         "sights": rows(sights, "u4"),
-        "sight_index": rows(index, "u4"),
+        "seen_index": rows(index, "u4"),
         "sight_owner": rows(owner, "u4"),
         **_tree(placed.triangles),
     }
@@ -67,8 +68,9 @@ def _tree(triangles: np.ndarray) -> Maps:
 
 
 def _sights(visibility: Visibility) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Sights (m, WITNESSES) uint32, vertex by vertex; where to find them, (vertices SEEN², 1)
-    uint32; and the vertex of each, (m, 1) uint32.
+    """Sights (m, WITNESSES) uint32, vertex by vertex; of each vertex and coarse direction its sight
+    in the lower SIGHT_BITS, all ones for none, and what is open of it in those above, (vertices
+    SEEN², 1) uint32; and the vertex of each sight, (m, 1) uint32.
 
     The last of a vertex stands several times, so that it has groups of TOGETHER.
     """
@@ -77,11 +79,15 @@ def _sights(visibility: Visibility) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     held = np.bincount(owner, minlength=len(counts))
     rank = np.arange(len(owner)) - np.repeat(np.cumsum(held) - held, held)
     own = (np.cumsum(counts) - counts)[owner] + np.minimum(rank, counts[owner] - 1)
-    index = np.full((visibility.seeing.size, 1), NOBODY)
-    index[visibility.seeing.ravel(), 0] = np.flatnonzero(rank < counts[owner])
-    return visibility.sights[own], index, owner.astype(np.uint32)[:, None]
+    sight = np.full(visibility.seeing.size, NOBODY >> PER_SEEN)
+    sight[visibility.seeing.ravel()] = np.flatnonzero(rank < counts[owner])
+    open_bits = np.unpackbits(visibility.open.view(np.uint8), bitorder="little")
+    open_there = np.packbits(open_bits.reshape(-1, PER_SEEN), axis=1, bitorder="little").ravel()
+    index = sight | open_there.astype(np.uint32) << SIGHT_BITS
+    return visibility.sights[own], index[:, None], owner.astype(np.uint32)[:, None]
 
 
 def _made(case: Case) -> tuple[list[Tessellation], Visibility]:
     objects = tessellate(case)
     return objects, bake(objects)
+

@@ -17,7 +17,7 @@ from renderer.transport.bvh import LEAF, build
 from renderer.transport.directions import cell_directions, cell_shares, cells_around
 from renderer.transport.placed import placed_meshes
 from renderer.transport.rays import Rays
-from renderer.transport.scene import TOGETHER, _loaded, _sights, _tree, scene_geometry
+from renderer.transport.scene import SIGHT_BITS, TOGETHER, _loaded, _sights, _tree, scene_geometry
 from renderer.transport.tessellation import Tessellation, tessellate
 from renderer.transport.visibility import (
     FLUX,
@@ -357,12 +357,28 @@ def test_sights_stand_vertex_by_vertex_in_whole_groups():
     seeing[7] = False
     told = rng.integers(0, 1 << 31, (seeing.sum(), WITNESSES), dtype=np.uint32)
     some = np.zeros(0)
-    found, index, owner = _sights(Visibility(some, some, some, seeing, told))
-    np.testing.assert_array_equal(found[index[seeing.ravel(), 0]], told)
-    assert (index[~seeing.ravel()] == NOBODY).all()
+    free = rng.random((40, SEEN**2, PER_SEEN)) < 0.5
+    bits = np.packbits(free.reshape(40, -1), axis=1, bitorder="little").view(np.uint32)
+    found, index, owner = _sights(Visibility(bits, some, some, seeing, told))
+    told_open = index >> SIGHT_BITS & 1 << np.arange(PER_SEEN) > 0
+    np.testing.assert_array_equal(told_open, free.reshape(-1, PER_SEEN))
+    sight = index[:, 0] & (1 << SIGHT_BITS) - 1
+    np.testing.assert_array_equal(found[sight[seeing.ravel()]], told)
+    assert (sight[~seeing.ravel()] == (1 << SIGHT_BITS) - 1).all()
     groups = owner.reshape(-1, TOGETHER)
     assert (groups == groups[:, :1]).all() and (np.diff(owner[:, 0].astype(int)) >= 0).all()
     assert np.isin(found[:, 0], told[:, 0]).all()  # what fills a group up is real
+
+
+def test_colours_in_32_bits_are_within_a_256th_of_their_largest_channel():
+    rng = np.random.default_rng(4)
+    colours = np.float32(10 ** rng.uniform(-20, 20, (4000, 1)) * rng.random((4000, 4)))
+    colours[0], colours[1], colours[2, :2] = 0, np.nextafter(np.float32(2), 0), 0
+    found = probe("vec4(from_rgbe(to_rgbe(c.rgb)), 0.0)", {"c": colours}, ("rgbe.glsl",))[:, :3]
+    colours = colours[:, :3]
+    off = np.abs(found - colours) / np.maximum(colours.max(axis=1, keepdims=True), 1e-30)
+    assert off.max() < 1 / 255 and not found[0].any()
+    assert abs(((found - colours) / colours.max(axis=1, keepdims=True).clip(1e-30)).mean()) < 1e-4
 
 
 def test_each_object_may_look_finely(ball_and_plate):
