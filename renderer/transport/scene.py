@@ -90,4 +90,3 @@ def _sights(visibility: Visibility) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 def _made(case: Case) -> tuple[list[Tessellation], Visibility]:
     objects = tessellate(case)
     return objects, bake(objects)
-
