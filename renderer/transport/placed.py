@@ -14,9 +14,10 @@ from renderer.transport import stored
 from renderer.transport.carried import COLUMNS, WIDTH
 from renderer.transport.tessellation import Tessellation, untouched
 from renderer.view import View
+from scenes.errors import InputError
 from scenes.schema import Case
 
-ROW = 4096  # as in shaders/rows.glsl
+ROW = 16_384  # as in shaders/rows.glsl
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,10 +128,28 @@ def four(values: np.ndarray, last: np.ndarray | int = 0) -> np.ndarray:
 
 
 def rows(values: np.ndarray, dtype: str, filler: int = 0) -> moderngl.Texture:
-    """A texture ROW wide that holds values (n, components) one after the other."""
-    height = max(-(-len(values) // ROW), 1)
-    whole = np.full((height * ROW, values.shape[1]), filler, values.dtype)
+    """A texture ROW wide that holds values (n, components) one after the other.
+
+    Raises:
+        InputError: the device has no textures as large.
+    """
+    size = row_size(len(values))
+    whole = np.full((size[0] * size[1], values.shape[1]), filler, values.dtype)
     whole[: len(values)] = values
-    texture = context().texture((ROW, height), values.shape[1], whole.tobytes(), dtype=dtype)
+    texture = context().texture(size, values.shape[1], whole.tobytes(), dtype=dtype)
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture
+
+
+def row_size(count: int) -> tuple[int, int]:
+    """Width and height of a texture of so many elements.
+
+    Raises:
+        InputError: the device has no textures as large.
+    """
+    size = ROW, max(-(-count // ROW), 1)
+    most = context().info["GL_MAX_TEXTURE_SIZE"]
+    if max(size) > most:
+        problem = f"what is baked needs a texture of {size[0]}x{size[1]}; here {most} is the most"
+        raise InputError("scene", "objects", problem, "simplify a mesh, or draw without occlusion")
+    return size
