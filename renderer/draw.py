@@ -19,6 +19,7 @@ from renderer.shading import Shading
 from renderer.targets import Rectangle, make_target, within
 from renderer.transport.exchange import exchange
 from renderer.transport.placed import Placed, placed_meshes
+from renderer.transport.received import received
 from renderer.transport.scene import scene_geometry
 from renderer.view import View, covered, view
 from scenes.frame import Frame
@@ -108,9 +109,11 @@ class Renderer:
             frame["eye"] = camera.eye - geometry.middle
         if self.technique.occlusion:
             frame["ray_offset"] = RAY_OFFSET * geometry.size
-        if self.technique.interreflection:
-            finely = [how.looks_finely(plain(o)) for o in case.objects]
-            made = exchange(geometry, frame, maps, shading.any_material, finely)
+            if self.technique.interreflection:
+                finely = [how.looks_finely(plain(o)) for o in case.objects]
+                made = exchange(geometry, frame, maps, shading.any_material, finely)
+            else:
+                made = received(geometry, frame, maps, shading.any_material)
             maps, precomputation = maps | made.maps, precomputation + made.seconds
         draws = [
             self._draw(obj, shading, camera, size, part, frame, maps, geometry)

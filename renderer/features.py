@@ -199,7 +199,7 @@ class Technique:
         if self.traces(material):
             asked = max(RAYS * (material.alpha / TRACED) ** 2, min(self.points, FEWEST_RAYS))
             samples = min(samples, asked, PASS_RAYS * self.points)
-            # Of fewer `split_samples` leaves the diffuse lobe none, and it has no shadows.
+            # Of fewer `split_samples` leaves the diffuse lobe none.
             least = 4 if _some_diffuse(material) else 1
         return max(ceil(samples / (self.supersample**2 * points)), least)
 
@@ -240,11 +240,16 @@ class Technique:
         """Whether coverage samples may share shading points by fours."""
         return self.shade == "shade_filtered.glsl" and self.msaa == GROUP
 
+    def spares(self, material: Material, model: Model = PAPER) -> bool:
+        """Whether most of what a material reflects diffusely is known before it is sampled: E(n) of
+        an even lobe. A map's normals are not those that a vertex was lit with."""
+        return self.grouped and material.maps.normal is None and model.multiscatter == "off"
+
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
         if self.samples:
             even = self.reads and _some_diffuse(material)
-            return self.reads + (("irradiance_exact",) if even else ())
+            return self.reads + (("irradiance_sky",) if even else ())
         read = [f for f in LOBES if f.needed(material) or f.name in self.forced]
         if self.split:
             return tuple(m for f in read for m in f.split)
@@ -344,14 +349,16 @@ def features(
     return frozenset(needed)
 
 
-def split_samples(material: Material, samples: int, model: Model = PAPER) -> tuple[int, int, int]:
+def split_samples(
+    material: Material, samples: int, model: Model = PAPER, spared: bool = False
+) -> tuple[int, int, int]:
     """Share samples out to the lobes (GGX, Beckmann, cosine).
 
     The diffuse lobe gets a share by its albedo against F0, between a fifth and a half: the
     balance heuristic keeps any split unbiased. Light that meets a second facet comes back from
     everywhere, as diffuse light does, and counts with it. Of 4 samples or more each needed lobe
     gets some; of fewer GGX goes before Beckmann, whose short tail would hardly ever find what GGX
-    reflects.
+    reflects. Of the cosine samples three in four may be `spared`.
     """
     diffuse = max(material.diffuse_albedo)
     share = 0.0
@@ -361,4 +368,5 @@ def split_samples(material: Material, samples: int, model: Model = PAPER) -> tup
     ggx = round(material.weight * specular)
     if 0 < material.weight < 1:
         ggx = max(min(ggx, specular - 1), 1)
-    return ggx, specular - ggx, samples - specular
+    cosine = samples - specular
+    return ggx, specular - ggx, ceil(cosine / 4) if spared else cosine

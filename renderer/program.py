@@ -12,6 +12,8 @@ from scenes.errors import InputError
 
 Maps = dict[str, moderngl.Texture]  # by the names of their samplers in GLSL
 
+# What light comes from a direction, how much of a light is seen, and what shines on an even lobe.
+SEAM = ("incoming.glsl", "light_visibility.glsl", "even_light.glsl")
 REMEDY = "mend the shader"
 _PLACE = re.compile(r"(?:ERROR: )?\d+[:(](\d+)[^:]*:\s*(?:error[^:]*:\s*)?(.+)")
 
@@ -26,12 +28,11 @@ def program(
 ) -> moderngl.Program:
     """A program from two shader files.
 
-    `shade` stands in for the included shade.glsl; `incoming`, if given, for what says how much
-    light comes from a direction.
+    `shade` stands in for the included shade.glsl; `incoming`, if given, for the files of SEAM.
     """
     parts = {"shade.glsl": shade}
     if incoming:
-        parts |= dict.fromkeys(("incoming.glsl", "light_visibility.glsl"), incoming)
+        parts |= dict.fromkeys(SEAM, incoming)
     return compiled(source(vertex), source(fragment, defines, parts), str(SHADERS / fragment))
 
 

@@ -53,9 +53,10 @@ class Shading:
 
     @property
     def any_material(self) -> frozenset[str]:
-        """The features that any of the materials needs, for what reflects others."""
+        """The features that any of the materials needs, for what reflects or lights others."""
         each = (self._features(plain(o)) for o in self.case.objects)
-        return INTERREFLECTION.union(*each)
+        among = INTERREFLECTION if self.technique.interreflection else frozenset[str]()
+        return among.union(*each)
 
     def program(self, obj: Object, sides: frozenset[str]) -> moderngl.Program:
         """The program surface_shade.frag for an object; `sides` are features of the target."""
@@ -84,7 +85,8 @@ class Shading:
             directed = "ANISOTROPIC" in self._features(obj.material)
             own |= varying_uniforms(obj.material, directed)
         counts = [how.per_point(material, GROUP**k) for k in range(4)]
-        shares = [split_samples(material, count, model) for count in counts]
+        spared = how.spares(obj.material, model)
+        shares = [split_samples(material, count, model, spared) for count in counts]
         if lost := self.lost[index]:
             own["multiscatter"] = lost.multiscatter
         return (

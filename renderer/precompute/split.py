@@ -40,6 +40,13 @@ def make_irradiance(radiance: moderngl.Texture, names: Collection[str]) -> Made:
     return _filled(names, IRRADIANCE_SIZE, shader, **_light(radiance, shader), **told)
 
 
+def make_sky_irradiance(radiance: moderngl.Texture, names: Collection[str]) -> Made:
+    """The same without the lights."""
+    shader = program("fullscreen.vert", "irradiance_sky.frag")
+    told = {"count": IRRADIANCE_SAMPLES, "rows": IRRADIANCE_SIZE[1]}
+    return _filled(names, IRRADIANCE_SIZE, shader, **_light(radiance, shader), **told)
+
+
 def make_tables(_radiance: moderngl.Texture, names: Collection[str]) -> Made:
     """Per lobe of D what is reflected, and whereto: see lobe_table.frag.
 

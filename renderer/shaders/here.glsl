@@ -5,6 +5,7 @@
 
 #include "here_point.glsl"
 
+uniform sampler2D normals; // of each vertex, and the number from 0 of its object
 uniform usampler2D open_bits;
 #ifdef INTERREFLECTION
 uniform usampler2D seen_index;     // of each vertex and coarse direction: its sight, and
@@ -63,14 +64,4 @@ vec3 baked(vec3 world, float lod) {
     vec3 L = baked_surfaces(world, visibility);
     if (visibility > 0.0) L += visibility * environment(world, lod);
     return L;
-}
-
-// The share of the vertices around from which a direction is open.
-float baked_visibility(vec3 world) {
-    int cell = octahedral_cell(world);
-    float visibility = 0.0;
-    for (int k = 0; k < AROUND; ++k) {
-        if (bit(open_bits, here_vertices[k], cell)) visibility += here_weights[k];
-    }
-    return visibility;
 }

@@ -2,3 +2,6 @@
 float light_visibility(int light, vec3 world, bool faint) {
     return 1.0;
 }
+
+void look_for_lights() {
+}

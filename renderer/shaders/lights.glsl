@@ -1,5 +1,4 @@
 #include "common.glsl"
-#include "light_visibility.glsl"
 #include "width.glsl"
 
 // The lights taken out of the environment: renderer/precompute/lights.py.

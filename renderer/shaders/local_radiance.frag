@@ -11,6 +11,7 @@ const int WITNESSES = 3, VERTEX_BITS = 22; // as there
 const uint NOBODY = 0xFFFFFFFFu;
 const int FEW = 2; // directions of each
 uniform int asked; // of the witnesses
+uniform vec3 ahead; // of what this bounce adds, what all later ones will
 layout(location = 0) out uint radiance_there;
 
 void main() {
@@ -33,5 +34,10 @@ void main() {
         vec3 v = -octahedral_direction(int(witnesses[one] >> uint(VERTEX_BITS)));
         sum += surface_light(v, object, FEW, k, asked, share, distance(from, position_of(vertex)));
     }
-    radiance_there = to_rgbe(sum / float(asked));
+    vec3 L = sum / float(asked);
+    // Stored alike, so that the same texel tells what it was a bounce ago.
+    if (ahead != vec3(0.0)) {
+        L += ahead * (from_rgbe(to_rgbe(L)) - from_rgbe(texelFetch(local_radiance, made, 0).x));
+    }
+    radiance_there = to_rgbe(L);
 }

@@ -1,4 +1,6 @@
 #include "brdf.glsl"
+#include "diffuse_share.glsl"
+#include "even_light.glsl"
 #include "incoming.glsl"
 #include "mirror_share.glsl"
 #include "sample_cosine.glsl"
@@ -10,6 +12,7 @@
 #endif
 #ifdef LIGHTS
 #include "lights.glsl"
+#include "light_visibility.glsl"
 #endif
 
 // The model's exact BRDF over a few fixed directions, each with the light blurred over its share of
@@ -21,11 +24,9 @@
 // turned with the plane of incidence, so that what they err is smooth and no noise.
 //
 // Of so few directions a diffuse lobe would still see a bright horizon too much or too little. So they
-// only tell how far the light is off that of an even lobe under an open sky, whose sum is known: a
-// control variate.
+// only tell how far the lobe is off an even one, whose light E(n) is known: a control variate.
 #if defined(DIFFUSE) && !defined(SPECULAR_LIGHT)
 #define EVEN_LOBE
-#include "irradiance_exact.glsl"
 #endif
 // Of each shading point where a pixel has 1, 4, 16 or 64 of them.
 uniform ivec4 specular_samples;
@@ -48,8 +49,12 @@ float sample_lod(float density, float sharers) {
 }
 
 #ifdef EVEN_LOBE
-vec3 even_lobe(Material m) {
-    return INV_PI * (1.0 - m.f0) * m.albedo;
+vec3 even_lobe(Material m, vec3 wo) {
+    vec3 lobe = INV_PI * diffuse_share(m, wo.z) * m.albedo;
+#if defined(MAP_NORMAL) && !defined(KD_INTERFACE) && !defined(KD_CONSERVING)
+    lobe *= m.upright;
+#endif
+    return lobe;
 }
 #endif
 
@@ -59,11 +64,11 @@ vec3 filtered_sample(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec2 count, f
     if (density <= 0.0) return vec3(0.0);
     vec3 world = to_world * wi;
     float lod = sample_lod(density, sharers);
-    vec3 L = brdf(wi, wo, m) * incoming(world, lod);
+    vec3 f = brdf(wi, wo, m);
 #ifdef EVEN_LOBE
-    L -= even_lobe(m) * environment(world, lod);
+    f -= even_lobe(m, wo);
 #endif
-    return wi.z / density * L;
+    return wi.z / density * f * incoming(world, lod);
 }
 
 #ifdef LIGHTS
@@ -83,17 +88,18 @@ vec3 lights(
 #else
     const float diffuse = 0.0;
 #endif
+    look_for_lights();
     int found = find_lights(wo, to_world, wide.alpha, diffuse, else_sent, set % stride, stride);
     for (int k = 0; k < found; ++k) {
         int i = found_lights[k];
         vec3 world = light_towards[i].xyz, wi = world * to_world;
         float share = light_share(i, sample_lod(filtered_density(wi, wo, m, count), sharers));
-        vec3 sent = share * light_irradiance[i].rgb * brdf(wi, wo, wide) * wi.z;
+        vec3 arrives = wi.z * light_irradiance[i].rgb, sent = share * arrives * brdf(wi, wo, wide);
+#ifdef EVEN_LOBE
+        sent += (light_share(i, sky_lod()) - share) * arrives * even_lobe(m, wo);
+#endif
         bool faint = sent.r + sent.g + sent.b < 3.0 * FAINT * else_sent;
         L += sent * light_visibility(i, world, faint);
-#ifdef EVEN_LOBE
-        L -= share * wi.z * even_lobe(m) * light_irradiance[i].rgb;
-#endif
     }
     return float(stride) * L;
 }
@@ -121,7 +127,7 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
     }
 #endif
 #ifdef EVEN_LOBE
-    L += even_lobe(m) * exact_irradiance(n, environment_turn);
+    L += even_lobe(m, wo) * even_irradiance(n);
 #endif
 #ifdef LIGHTS
     L += lights(wo, to_world, m, count, sharers, set, sets, L);

@@ -1,5 +1,4 @@
-#include "material.glsl"
-#include "fresnel_schlick.glsl"
+#include "diffuse_share.glsl"
 #include "irradiance_exact.glsl"
 #include "view_frame.glsl"
 
@@ -65,14 +64,6 @@ vec3 lobe_mean(vec3 axis, float alpha, Material m) {
     return sum.rgb / sum.a;
 }
 
-// 1 - the mean of (1 - h.v)^5 over light of one radiance: what Schlick's F takes from the diffuse
-// lobe beside F0. At most 2.8 %, at grazing angles, where F(n.v) would take all. The polynomial is
-// a least squares fit of the double integral, within 8e-6.
-float diffuse_share(float cos_theta) {
-    float m = 1.0 - cos_theta;
-    return 1.0 - (8.233e-5 + m * (2.022094e-3 + m * (9.309944e-3 + m * (7.797185e-3 + m * 8.951935e-3))));
-}
-
 vec3 shade(vec3 n, vec3 v, Material m, int _set, int _sets) {
     float cos_theta = dot(n, v);
     Reflected seen = tabled(cos_theta, m), head_on = tabled(1.0, m);
@@ -85,7 +76,7 @@ vec3 shade(vec3 n, vec3 v, Material m, int _set, int _sets) {
     vec3 L = lobe_mean(axis, alpha, m) * (m.f0 * seen.scale_bias.x + seen.scale_bias.y);
 #if defined(DIFFUSE) && !defined(SPECULAR_LIGHT)
     vec3 E = exact_irradiance(n, environment_turn);
-    L += diffuse_share(cos_theta) * (1.0 - m.f0) * m.albedo * INV_PI * E;
+    L += diffuse_share(m, cos_theta) * m.albedo * INV_PI * E;
 #endif
     return L;
 }

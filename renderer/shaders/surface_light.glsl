@@ -1,8 +1,9 @@
 #include "density.glsl"
+#include "diffuse_share.glsl"
 #include "frame.glsl"
 #include "here.glsl"
 #ifdef LIT_HITS
-#include "lights.glsl"
+#include "light_bits.glsl"
 #endif
 #include "positions.glsl"
 #include "hammersley.glsl"
@@ -15,7 +16,6 @@
 // What a surface sends to another one: coarsely, since it is seen through a reflection. With LIT_HITS
 // lights are shaded apart from the environment, and each is seen or not; else they are blurred with it.
 uniform sampler2D materials;  // of each object, as renderer/surface.py lays them out
-uniform sampler2D normals;    // of each vertex
 uniform sampler2D irradiance; // of each vertex, of all that shines on it
 
 Material material_of(int object) {
@@ -48,23 +48,6 @@ Material material_of(int object) {
     lost_row = (float(object) + 0.5) / float(textureSize(materials, 0).y);
 #endif
     return m;
-}
-
-// The share of a surface's irradiance, over its albedo, that leaves towards v as diffuse light: what
-// the model's kd makes of even light.
-vec3 diffuse_share(Material m, float cos_theta) {
-#if defined(KD_INTERFACE)
-    return vec3(dot(lost_light_at(cos_theta).xy, m.weight_d)); // the factors' mean is 1
-#elif defined(KD_CONSERVING)
-    // The mean of the other factor: Gauss-Legendre over cosine squared.
-    const vec3 COS = vec3(0.3357106870, 0.7071067812, 0.9419651451), SHARE = vec3(5.0, 8.0, 5.0) / 18.0;
-    mat3 at = mat3(lost_light_at(COS.x).rgb, lost_light_at(COS.y).rgb, lost_light_at(COS.z).rgb);
-    return lost_light_at(cos_theta).rgb * (at * SHARE);
-#else
-    // 1 - F(h.wi) averaged: (1 - h.wi)^5 averages to .028 (1 - n.v)^3, within .0014.
-    float away = 1.0 - cos_theta;
-    return one_minus_fresnel(m, 1.0) * (1.0 - 0.028 * away * away * away);
-#endif
 }
 
 // Moves the few directions from one asker to the next, whose mean then errs less.
@@ -137,13 +120,14 @@ vec3 surface_light(vec3 v, int object, int few, int observer, int observers, flo
     Material wide = m;
     wide.alpha = sqrt(m.alpha * m.alpha + share / 24.0); // as in shade_filtered.glsl
     float else_sent = COARSELY * dot(L / float(observers) + specular, vec3(1.0 / 3.0));
+    look_for_lights();
     int found = find_lights(wo, to_world, wide.alpha, 0.0, else_sent, observer, observers);
     for (int k = 0; k < found; ++k) {
         int i = found_lights[k];
         vec3 world = light_towards[i].xyz, wi = world * to_world;
         float density = sample_density(wi, wo, m, count);
         float part = light_share(i, incoming_lod(1.0 / (1.0 / density + share)));
-        specular += part * baked_visibility(world) * light_irradiance[i].rgb * brdf(wi, wo, wide) * wi.z;
+        specular += part * light_seen(i) * light_irradiance[i].rgb * brdf(wi, wo, wide) * wi.z;
     }
 #endif
     return L + float(observers) * specular;

@@ -1,31 +1,24 @@
 """The light that a scene's surfaces send one another, bounce by bounce."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from time import perf_counter
 from typing import Any
 
 import moderngl
+import numpy as np
 
 from renderer.context import context
-from renderer.program import Maps, bind_maps, fill, program, set_uniforms
-from renderer.targets import release
-from renderer.transport.placed import ROW
+from renderer.program import Maps, program
+from renderer.transport import rows
+from renderer.transport.received import Exchanged, direct_light
 from renderer.transport.scene import TOGETHER, SceneGeometry
 from renderer.transport.visibility import WITNESSES
 
-BOUNCES = 4  # what each errs is dimmed by all later ones: the last alone is exact
+BOUNCES = 4  # the last alone is exact; the one before it stands for all later ones, too
+MOST_KEPT = 0.8  # of one bounce's light in the next, for what bounces leave out
 SHIFT = TOGETHER.bit_length() - 1
-
-
-@dataclass(frozen=True, eq=False)
-class Exchanged:
-    """`irradiance` of each vertex and, packed, `local_radiance` of each sight, row by row; seconds
-    taken."""
-
-    maps: Maps
-    seconds: float
+NONE_AHEAD = (0.0, 0.0, 0.0)
 
 
 def exchange(
@@ -43,73 +36,58 @@ def exchange(
         finely: whether each object looks into its surroundings through lobes so narrow that in the
             last bounce all witnesses are asked, and lights shaded apart.
     """
-    start, gl = perf_counter(), context()
-    maps = maps | geometry.maps
+    start = perf_counter()
+    made, direct = direct_light(geometry, uniforms, maps, defines)
+    maps, sky = maps | geometry.maps | made, made["vertex_irradiance"]
     sights = geometry.first_sight[-1]
-    direct, *both = (_texture(geometry.vertices) for _ in range(3))
-    coarse = [_packed(sights // TOGETHER) for _ in range(2)]
-    gl.enable_only(moderngl.NOTHING)
-    once = program("fullscreen.vert", "vertex_direct.frag", defines)
-    _fill(direct, once, uniforms, maps)
+    beside_lights, *both = (rows.colours(geometry.vertices) for _ in range(3))
+    coarse = [rows.packed(sights // TOGETHER) for _ in range(2)]
     gathering = program("fullscreen.vert", "vertex_irradiance.frag", defines)
     sending = program("fullscreen.vert", "local_radiance.frag", defines)
-    now = {"direct": direct, "local_radiance": coarse[0]}
-    _clear(coarse[0])
+    now = {"direct": direct, "irradiance": direct, "local_radiance": coarse[0]}
+    rows.clear(coarse[0])
     told = uniforms | {"sight_shift": SHIFT}
     together = {"sight_range": (0, sights // TOGETHER), "made_shift": SHIFT, "asked": 1}
-    for bounce in range(BOUNCES):
+    sums = [_sum(direct, geometry.vertices)]
+    for bounce in range(1, BOUNCES):
         side = bounce % 2
-        _fill(both[side], gathering, told, maps | now)
+        ahead = _ahead(sums) if bounce == BOUNCES - 1 else NONE_AHEAD
+        rows.run([coarse[side]], sending, told | together | {"ahead": ahead}, maps | now)
+        now["local_radiance"] = coarse[side]
+        rows.run([both[side]], gathering, told, maps | now)
         now["irradiance"] = both[side]
         if bounce < BOUNCES - 1:
-            _fill(coarse[1 - side], sending, told | together, maps | now)
-            now["local_radiance"] = coarse[1 - side]
-    made = {"irradiance": now["irradiance"], "local_radiance": _packed(sights)}
+            sums.append(_sum(both[side], geometry.vertices))
+    made |= {"irradiance": now["irradiance"], "local_radiance": rows.packed(sights)}
     lit = program("fullscreen.vert", "local_radiance.frag", defines | {"LIT_HITS"})
     for fine, (first, end) in zip(finely, pairwise(geometry.first_sight), strict=True):
         own = told | {"sight_range": (first, end), "asked": WITNESSES if fine else 1}
         shader = lit if fine and "LIGHTS" in defines else sending
-        _fill(made["local_radiance"], shader, own | {"made_shift": 0}, maps | now, first, end)
-    for texture in {direct, *both, *coarse} - set(made.values()):
+        rows.run(
+            [made["local_radiance"]],
+            shader,
+            own | {"made_shift": 0, "ahead": NONE_AHEAD},
+            maps | now,
+            first,
+            end,
+        )
+    now |= made | {"direct": sky}
+    rows.run([beside_lights], gathering, uniforms | {"sight_shift": 0}, maps | now)
+    made["vertex_irradiance"] = beside_lights
+    for texture in {direct, sky, *both, *coarse} - set(made.values()):
         texture.release()
-    gl.finish()
+    context().finish()
     return Exchanged(made, perf_counter() - start)
 
 
-def _texture(count: int) -> moderngl.Texture:
-    return _rows(count, 4, "f4")
+def _sum(irradiance: moderngl.Texture, vertices: int) -> np.ndarray:
+    """Of all vertices, (3,)."""
+    texels = np.frombuffer(irradiance.read(), np.float32).reshape(-1, 4)
+    return texels[:vertices, :3].sum(axis=0, dtype=float)
 
 
-def _packed(count: int) -> moderngl.Texture:
-    """As rgbe.glsl packs colours."""
-    return _rows(count, 1, "u4")
-
-
-def _rows(count: int, components: int, dtype: str) -> moderngl.Texture:
-    size = ROW, max(-(-count // ROW), 1)
-    texture = context().texture(size, components, dtype=dtype)
-    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-    return texture
-
-
-def _clear(texture: moderngl.Texture) -> None:
-    target = context().framebuffer([texture])
-    target.clear()
-    release(target)
-
-
-def _fill(
-    texture: moderngl.Texture,
-    shader: moderngl.Program,
-    uniforms: dict[str, Any],
-    maps: Maps,
-    first: int = 0,
-    end: int | None = None,
-) -> None:
-    """Run a shader over a texture, or the rows that hold some of its elements."""
-    target = context().framebuffer([texture])
-    set_uniforms(shader, **uniforms)
-    bind_maps(shader, maps)
-    last = texture.height if end is None else -(-end // ROW)
-    fill(target, shader, (0, first // ROW, ROW, last - first // ROW))
-    release(target)
+def _ahead(sums: list[np.ndarray]) -> tuple[float, ...]:
+    """What all later bounces will add, of what the last did, if each keeps as much as it did."""
+    before, last = np.diff(sums[-3:], axis=0)
+    kept = np.clip(np.nan_to_num(last / np.maximum(before, 1e-30)), 0, MOST_KEPT)
+    return tuple((kept / (1 - kept)).tolist())

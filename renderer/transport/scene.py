@@ -10,10 +10,11 @@ from renderer.transport import stored
 from renderer.transport.bvh import build
 from renderer.transport.placed import Placed, four, place, rows
 from renderer.transport.tessellation import Tessellation, tessellate
-from renderer.transport.visibility import NOBODY, PER_SEEN, Visibility, bake
+from renderer.transport.visibility import MOST_VERTICES, NOBODY, PER_SEEN, SEEN, Visibility, bake
 from scenes.schema import Case
 
 SIGHT_BITS = 32 - PER_SEEN  # as in shaders/here.glsl
+assert MOST_VERTICES * SEEN**2 < 1 << SIGHT_BITS
 TOGETHER = 4  # sights of a vertex, beside one another, that are shaded as one until the last bounce
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from renderer.features import features, split_samples, technique
-from scenes.schema import PAPER, PHYSICAL, Material, Model, model_steps
+from scenes.schema import PAPER, PHYSICAL, Maps, Material, Model, model_steps
 
 COMPENSATED = Model(fresnel="exact", kd="conserving", masking="smith", multiscatter="on")
 
@@ -104,4 +104,13 @@ def test_only_what_a_model_needs_of_a_material_is_compiled_in(copper):
 
 def test_light_off_many_facets_gets_samples_of_its_own(copper):
     assert split_samples(copper(0.2), 100)[2] == 0
+    assert split_samples(copper(0.2), 100, COMPENSATED, spared=True)[2] == 5
     assert split_samples(copper(0.2), 100, COMPENSATED)[2] == 20
+
+
+def test_cosine_samples_are_spared_where_an_even_lobe_is_known(copper):
+    assert technique("best").spares(copper(0.2)) and technique("filtered").spares(copper(0.2))
+    assert not technique("best").spares(copper(0.2), COMPENSATED)
+    assert not technique("sampled").spares(copper(0.2))
+    bumpy = copper(0.2).model_copy(update={"maps": Maps(normal="bumps.png")})
+    assert not technique("best").spares(bumpy)

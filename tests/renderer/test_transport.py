@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from renderer.context import context
 from renderer.draw import Renderer
 from renderer.features import technique
 from renderer.precompute import precomputed
@@ -15,12 +14,14 @@ from renderer.shading import Shading
 from renderer.transport import stored
 from renderer.transport.bvh import LEAF, build
 from renderer.transport.directions import cell_directions, cell_shares, cells_around
-from renderer.transport.placed import placed_meshes
+from renderer.transport.exchange import MOST_KEPT, _ahead
+from renderer.transport.placed import four, placed_meshes, row_size, rows
 from renderer.transport.rays import Rays
 from renderer.transport.scene import SIGHT_BITS, TOGETHER, _loaded, _sights, _tree, scene_geometry
 from renderer.transport.tessellation import Tessellation, tessellate
 from renderer.transport.visibility import (
     FLUX,
+    MOST_VERTICES,
     NOBODY,
     PER_SEEN,
     SEEN,
@@ -30,6 +31,7 @@ from renderer.transport.visibility import (
     Visibility,
     bake,
 )
+from scenes.errors import InputError
 from scenes.mesh import world_mesh
 from scenes.schema import Camera, Material, Model
 from scenes.suite import HERE
@@ -38,7 +40,7 @@ from scenes.suite import HERE
 def precomputed_maps(case):
     """All maps that `best` reads of a case's environment."""
     made = precomputed(case.environment.path)
-    made.need(technique("best").reads)
+    made.need(sorted({m for o in case.objects for m in technique("best").maps(o.material)}))
     return made.maps
 
 
@@ -282,7 +284,7 @@ def test_a_vertex_gets_what_shines_on_it(light, make_case):
     middle = (polar[1:] + polar[:-1]) / 2
     rows = np.interp(middle / np.pi * 63, np.arange(64), sky.mean(axis=1))
     truth = 2 * np.pi * (rows * np.cos(middle) * np.sin(middle)).sum() * (polar[1] - polar[0])
-    np.testing.assert_allclose(floor, truth, rtol=0.01)
+    np.testing.assert_allclose(floor, truth, rtol=0.002)
 
 
 def test_a_small_sun_casts_a_sharp_shadow(light, make_case):
@@ -300,9 +302,7 @@ def test_a_small_sun_casts_a_sharp_shadow(light, make_case):
 
 def test_a_pixel_knows_where_in_its_triangle_it_lies():
     corners = np.array([[0, 5, 0], [1, 5, 0], [0, 5, 1]], np.float32)
-    texel = np.zeros((1, 4096, 4), np.float32)
-    texel[0, :3, :3] = corners
-    positions = context().texture((4096, 1), 4, texel.tobytes(), dtype="f4")
+    positions = rows(four(np.float32(corners)), "f4")
     weights = np.array([[0.2, 0.3, 0.5], [0.6, 0.3, 0.1], [1.2, -0.1, -0.1]])
     found = probe(
         "vec4(weights_at(uvec3(0u, 1u, 2u), ray.xyz), 0.0)",
@@ -315,11 +315,18 @@ def test_a_pixel_knows_where_in_its_triangle_it_lies():
     np.testing.assert_allclose(found, weights, atol=1e-6)
 
 
-def test_what_nothing_stands_around_is_drawn_as_without_occlusion(light, make_case, copper):
+@pytest.mark.parametrize("sun", [0.0, 1e4, 1e6])
+@pytest.mark.parametrize("diffuse", [False, True])
+def test_what_nothing_stands_around_is_drawn_as_without_occlusion(
+    light, make_case, copper, diffuse, sun
+):
     """A lone ball is convex: below its vertices' horizons alone is anything blocked."""
     sky = np.random.default_rng(0).uniform(0.5, 1.5, (16, 32, 3))
-    case = make_case(light(sky), ("sphere", copper(0.3, 0.5), {}))
-    bare, best = (Renderer(technique(n), repeats=0).render(case).rgb for n in ("filtered", "best"))
+    sky = np.kron(sky, np.ones((8, 8, 1)))
+    sky[40, 100] += sun
+    case = make_case(light(sky), ("sphere", GREY if diffuse else copper(0.3, 0.5), {}))
+    shown = [Renderer(technique(n), repeats=0).render(case) for n in ("filtered", "best")]
+    bare, best = (s.rgb[s.ids > 0] for s in shown)
     # At the rim a part of the lobe lies between the pixel's horizon and the vertices'.
     assert np.sqrt(((best / bare - 1) ** 2).mean()) < 0.01
 
@@ -351,6 +358,12 @@ def test_a_scene_is_baked_once_and_again_where_its_file_is_damaged(ball_and_plat
     assert fresh().first_sight == first.first_sight and len(made) == 2
 
 
+def test_what_no_texture_of_the_device_holds_is_refused():
+    assert row_size(MOST_VERTICES * SEEN**2)[1] <= 16_384
+    with pytest.raises(InputError, match="simplify a mesh"):
+        row_size(1 << 34)
+
+
 def test_sights_stand_vertex_by_vertex_in_whole_groups():
     rng = np.random.default_rng(3)
     seeing = rng.random((40, SEEN**2)) < rng.random((40, 1)) ** 3
@@ -370,7 +383,7 @@ def test_sights_stand_vertex_by_vertex_in_whole_groups():
     assert np.isin(found[:, 0], told[:, 0]).all()  # what fills a group up is real
 
 
-def test_colours_in_32_bits_are_within_a_256th_of_their_largest_channel():
+def test_colours_in_32_bits_are_within_a_255th_of_their_largest_channel():
     rng = np.random.default_rng(4)
     colours = np.float32(10 ** rng.uniform(-20, 20, (4000, 1)) * rng.random((4000, 4)))
     colours[0], colours[1], colours[2, :2] = 0, np.nextafter(np.float32(2), 0), 0
@@ -379,6 +392,16 @@ def test_colours_in_32_bits_are_within_a_256th_of_their_largest_channel():
     off = np.abs(found - colours) / np.maximum(colours.max(axis=1, keepdims=True), 1e-30)
     assert off.max() < 1 / 255 and not found[0].any()
     assert abs(((found - colours) / colours.max(axis=1, keepdims=True).clip(1e-30)).mean()) < 1e-4
+
+
+def test_later_bounces_are_told_from_the_first_ones():
+    """Light that keeps a third from bounce to bounce adds half of a bounce after it."""
+    sums = [np.full(3, x) for x in (9.0, 12.0, 13.0)]
+    np.testing.assert_allclose(_ahead(sums), 0.5)
+    nothing, growing = np.zeros(3), [np.full(3, x) for x in (1.0, 2.0, 4.0)]
+    assert _ahead([nothing] * 3) == (0.0, 0.0, 0.0)
+    np.testing.assert_allclose(_ahead(growing), MOST_KEPT / (1 - MOST_KEPT))
+    assert np.isfinite(_ahead([nothing, nothing, np.array([np.nan, np.inf, 1.0])])).all()
 
 
 def test_each_object_may_look_finely(ball_and_plate):

@@ -1,0 +1,71 @@
+"""The environment's light on a scene's vertices."""
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import moderngl
+
+from renderer.context import context
+from renderer.program import Maps, bind_maps, fill, program, set_uniforms
+from renderer.targets import release
+from renderer.transport import rows
+from renderer.transport.scene import SceneGeometry
+
+PASS_LIGHTS = 16  # of a vertex in one pass, for its rays visit many nodes; as in light_bits.glsl
+CHANNELS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Exchanged:
+    """What was made of each vertex, row by row, and the seconds that it took.
+
+    Attributes:
+        maps: `vertex_irradiance`, of all that shines on it but lights; and where surfaces send
+            light, `irradiance` with lights and, packed, `local_radiance` of each sight.
+    """
+
+    maps: Maps
+    seconds: float
+
+
+def received(
+    geometry: SceneGeometry, uniforms: dict[str, Any], maps: Maps, defines: frozenset[str]
+) -> Exchanged:
+    """Light the vertices by what is open of the environment; arguments as of `exchange`."""
+    start = perf_counter()
+    made, direct = direct_light(geometry, uniforms, maps, defines)
+    direct.release()
+    context().finish()
+    return Exchanged(made, perf_counter() - start)
+
+
+def direct_light(
+    geometry: SceneGeometry, uniforms: dict[str, Any], maps: Maps, defines: frozenset[str]
+) -> tuple[Maps, moderngl.Texture]:
+    """Of each vertex which lights it sees and what else comes straight from the environment; and
+    what comes from there with its lights."""
+    context().enable_only(moderngl.NOTHING)
+    maps = maps | geometry.maps
+    all_of_it, beside_lights = (rows.colours(geometry.vertices) for _ in range(2))
+    made = {"vertex_irradiance": beside_lights}
+    if "LIGHTS" in defines:
+        made["vertex_lights"] = _lights(geometry, uniforms, maps)
+    shader = program("fullscreen.vert", "vertex_direct.frag", defines)
+    rows.run([all_of_it, beside_lights], shader, uniforms, maps | made)
+    return made, all_of_it
+
+
+def _lights(geometry: SceneGeometry, uniforms: dict[str, Any], maps: Maps) -> moderngl.Texture:
+    """Of each vertex a bit for each light that it sees."""
+    made = rows.empty(geometry.vertices, 4, "u4")
+    shader = program("fullscreen.vert", "vertex_lights.frag")
+    target = context().framebuffer([made])
+    set_uniforms(shader, **uniforms)
+    bind_maps(shader, maps)
+    for channel in range(CHANNELS):
+        target.color_mask = tuple(k == channel for k in range(CHANNELS))
+        set_uniforms(shader, first_light=PASS_LIGHTS * channel)
+        fill(target, shader)
+    release(target)
+    return made
