@@ -7,6 +7,7 @@
 #endif
 // The environment's light on each vertex, through what is open of each coarse direction.
 uniform sampler2D flux; // of each vertex and coarse direction, as transport/visibility.py has it
+uniform sampler2D coarse_sky; // from each coarse direction
 const float FLUX = 255.0 / 8160.0;
 layout(location = 0) out vec4 all_of_it;
 layout(location = 1) out vec4 beside_lights;
@@ -18,8 +19,7 @@ void main() {
     for (int coarse = 0; coarse < SEEN * SEEN; ++coarse) {
         vec2 through = texelFetch(flux, row_texel(int(vertex) * (SEEN * SEEN) + coarse), 0).xy;
         if (through.x + through.y == 0.0) continue;
-        // Not as blurred as a coarse cell: too much would come past the edges of what blocks.
-        vec3 L = environment(coarse_direction(coarse), sky_lod());
+        vec3 L = texelFetch(coarse_sky, ivec2(coarse, 0), 0).rgb;
         open += through.x * L;
         blocked += through.y * L;
     }

@@ -11,6 +11,7 @@ from renderer.program import Maps, bind_maps, fill, program, set_uniforms
 from renderer.targets import release
 from renderer.transport import rows
 from renderer.transport.scene import SceneGeometry
+from renderer.transport.visibility import SEEN
 
 PASS_LIGHTS = 16  # of a vertex in one pass, for its rays visit many nodes; as in light_bits.glsl
 CHANNELS = 4
@@ -51,8 +52,12 @@ def direct_light(
     made = {"vertex_irradiance": beside_lights}
     if "LIGHTS" in defines:
         made["vertex_lights"] = _lights(geometry, uniforms, maps)
+    coarse_sky = rows.colours(SEEN**2)
+    rows.run([coarse_sky], program("fullscreen.vert", "coarse_sky.frag"), uniforms, maps)
     shader = program("fullscreen.vert", "vertex_direct.frag", defines)
-    rows.run([all_of_it, beside_lights], shader, uniforms, maps | made)
+    maps = maps | made | {"coarse_sky": coarse_sky}
+    rows.run([all_of_it, beside_lights], shader, uniforms, maps)
+    coarse_sky.release()
     return made, all_of_it
 
 
