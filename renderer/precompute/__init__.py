@@ -24,7 +24,7 @@ MAKERS: dict[str, Callable[[moderngl.Texture, Collection[str]], Maps]] = {
     "lobe_ggx": split.make_lobes,
     "lobe_beckmann": split.make_lobes,
     "irradiance_exact": split.make_irradiance,
-    "irradiance_sky": split.make_sky_irradiance,
+    "irradiance_sky": split.make_irradiance,
     **dict.fromkeys(("albedo_ggx", "albedo_beckmann"), split.make_tables),
     **dict.fromkeys(("towards_ggx", "towards_beckmann"), split.make_tables),
     "table_ggx": brdf_table.make,

@@ -34,17 +34,16 @@ def make_lobes(radiance: moderngl.Texture, names: Collection[str]) -> Made:
 
 
 def make_irradiance(radiance: moderngl.Texture, names: Collection[str]) -> Made:
-    """E(n) as a float32 RGBA lat-long texture, its rows from pole to pole."""
-    shader = program("fullscreen.vert", "irradiance_exact.frag")
-    told = {"count": IRRADIANCE_SAMPLES, "rows": IRRADIANCE_SIZE[1]}
-    return _filled(names, IRRADIANCE_SIZE, shader, **_light(radiance, shader), **told)
+    """E(n) as float32 RGBA lat-long textures, their rows from pole to pole.
 
-
-def make_sky_irradiance(radiance: moderngl.Texture, names: Collection[str]) -> Made:
-    """The same without the lights."""
-    shader = program("fullscreen.vert", "irradiance_sky.frag")
-    told = {"count": IRRADIANCE_SAMPLES, "rows": IRRADIANCE_SIZE[1]}
-    return _filled(names, IRRADIANCE_SIZE, shader, **_light(radiance, shader), **told)
+    `irradiance_exact` is of the whole environment, `irradiance_sky` without its lights.
+    """
+    made = {}
+    for name in names:
+        shader = program("fullscreen.vert", f"{name}.frag")
+        told = {"count": IRRADIANCE_SAMPLES, "rows": IRRADIANCE_SIZE[1]}
+        made |= _filled([name], IRRADIANCE_SIZE, shader, **_light(radiance, shader), **told)
+    return made
 
 
 def make_tables(_radiance: moderngl.Texture, names: Collection[str]) -> Made:

@@ -3,7 +3,6 @@
 
 // Which lights each vertex sees: vertex_lights.frag.
 uniform usampler2D vertex_lights;
-const int PASS_LIGHTS = 16; // a channel, as in renderer/transport/exchange.py
 uvec4 here_lights[AROUND];
 
 // To be called before `light_seen`, once the `here_` variables say where.

@@ -3,6 +3,7 @@
 
 // The lights taken out of the environment: renderer/precompute/lights.py.
 const int MOST_LIGHTS = 64; // as there
+const int PASS_LIGHTS = 16; // a channel of vertex_lights.frag, as in renderer/transport/received.py
 uniform int light_count;
 uniform vec4 light_towards[MOST_LIGHTS];    // unit direction in the world; level from which it is gone
 uniform vec4 light_irradiance[MOST_LIGHTS]; // RGB, of a surface that faces it

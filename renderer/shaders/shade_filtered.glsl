@@ -49,7 +49,9 @@ float sample_lod(float density, float sharers) {
 }
 
 #ifdef EVEN_LOBE
-vec3 even_lobe(Material m, vec3 wo) {
+vec3 even_lobe; // of the surface that is shaded
+
+vec3 even_lobe_of(Material m, vec3 wo) {
     vec3 lobe = INV_PI * diffuse_share(m, wo.z) * m.albedo;
 #if defined(MAP_NORMAL) && !defined(KD_INTERFACE) && !defined(KD_CONSERVING)
     lobe *= m.upright;
@@ -66,7 +68,7 @@ vec3 filtered_sample(vec3 wi, vec3 wo, mat3 to_world, Material m, ivec2 count, f
     float lod = sample_lod(density, sharers);
     vec3 f = brdf(wi, wo, m);
 #ifdef EVEN_LOBE
-    f -= even_lobe(m, wo);
+    f -= even_lobe;
 #endif
     return wi.z / density * f * incoming(world, lod);
 }
@@ -96,7 +98,7 @@ vec3 lights(
         float share = light_share(i, sample_lod(filtered_density(wi, wo, m, count), sharers));
         vec3 arrives = wi.z * light_irradiance[i].rgb, sent = share * arrives * brdf(wi, wo, wide);
 #ifdef EVEN_LOBE
-        sent += (light_share(i, sky_lod()) - share) * arrives * even_lobe(m, wo);
+        sent += (light_share(i, sky_lod()) - share) * arrives * even_lobe;
 #endif
         bool faint = sent.r + sent.g + sent.b < 3.0 * FAINT * else_sent;
         L += sent * light_visibility(i, world, faint);
@@ -112,6 +114,9 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
     mat3 to_world = view_frame(n, v);
 #endif
     vec3 wo = v * to_world;
+#ifdef EVEN_LOBE
+    even_lobe = even_lobe_of(m, wo);
+#endif
     int step = sets >= 64 ? 3 : sets >= 16 ? 2 : sets >= 4 ? 1 : 0;
     ivec2 count = ivec2(specular_samples[step], cosine_samples[step]);
     float sharers = light_sharers * float(sets);
@@ -127,7 +132,7 @@ vec3 shade(vec3 n, vec3 v, Material m, int set, int sets) {
     }
 #endif
 #ifdef EVEN_LOBE
-    L += even_lobe(m, wo) * even_irradiance(n);
+    L += even_lobe * even_irradiance(n);
 #endif
 #ifdef LIGHTS
     L += lights(wo, to_world, m, count, sharers, set, sets, L);

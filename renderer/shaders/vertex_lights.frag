@@ -8,7 +8,6 @@
 // A bit for each light that a vertex sees, PASS_LIGHTS of them in each of four channels.
 uniform float ray_offset;
 uniform int first_light; // of a channel, which is all that is written
-const int PASS_LIGHTS = 16;
 const float JUST_BELOW = 0.1, JUST_ABOVE = 0.01; // as in renderer/transport/visibility.py
 const float LIFT = 5.0; // offsets: as far as where the rays of that start
 const float HALF_CELL = 1.8 / float(SIDE); // of a mean one, along a side

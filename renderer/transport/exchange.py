@@ -11,7 +11,7 @@ import numpy as np
 from renderer.context import context
 from renderer.program import Maps, program
 from renderer.transport import rows
-from renderer.transport.received import Exchanged, direct_light
+from renderer.transport.received import VertexLight, direct_light
 from renderer.transport.scene import TOGETHER, SceneGeometry
 from renderer.transport.visibility import WITNESSES
 
@@ -27,7 +27,7 @@ def exchange(
     maps: Maps,
     defines: frozenset[str],
     finely: Sequence[bool],
-) -> Exchanged:
+) -> VertexLight:
     """Send light from surface to surface.
 
     Args:
@@ -71,13 +71,14 @@ def exchange(
             first,
             end,
         )
-    now |= made | {"direct": sky}
-    rows.run([beside_lights], gathering, uniforms | {"sight_shift": 0}, maps | now)
-    made["vertex_irradiance"] = beside_lights
-    for texture in {direct, sky, *both, *coarse} - set(made.values()):
+    if "DIFFUSE" in defines:
+        now |= made | {"direct": sky}
+        rows.run([beside_lights], gathering, uniforms | {"sight_shift": 0}, maps | now)
+        made["vertex_irradiance"] = beside_lights
+    for texture in {direct, sky, beside_lights, *both, *coarse} - set(made.values()):
         texture.release()
     context().finish()
-    return Exchanged(made, perf_counter() - start)
+    return VertexLight(made, perf_counter() - start)
 
 
 def _sum(irradiance: moderngl.Texture, vertices: int) -> np.ndarray:

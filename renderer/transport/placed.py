@@ -12,12 +12,10 @@ from renderer.objects import placed_in_world
 from renderer.program import Maps, program
 from renderer.transport import stored
 from renderer.transport.carried import COLUMNS, WIDTH
+from renderer.transport.rows import holding
 from renderer.transport.tessellation import Tessellation, untouched
 from renderer.view import View
-from scenes.errors import InputError
 from scenes.schema import Case
-
-ROW = 16_384  # as in shaders/rows.glsl
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +78,9 @@ def place(objects: list[Tessellation]) -> Placed:
     gl = context()
     return Placed(
         maps={
-            "corners": rows(four(corners.astype(np.uint32), triangle_of), "u4"),
-            "positions": rows(four(points, _curvature(points, normals, corners)), "f4"),
-            "normals": rows(four(normals, vertex_of), "f4"),
+            "corners": holding(four(corners.astype(np.uint32), triangle_of), "u4"),
+            "positions": holding(four(points, _curvature(points, normals, corners)), "f4"),
+            "normals": holding(four(normals, vertex_of), "f4"),
             **_carried(objects),
         },
         middle=middle,
@@ -118,38 +116,10 @@ def _carried(objects: list[Tessellation]) -> Maps:
     columns = [t.carried if t.carried.size else np.ones((len(t.vertices), WIDTH)) for t in objects]
     together = np.float32(np.concatenate(columns))
     parts = {name: together[:, first : first + n] for name, (first, n) in COLUMNS.items()}
-    return {name: rows(four(p) if p.shape[1] == 3 else p, "f4") for name, p in parts.items()}
+    return {name: holding(four(p) if p.shape[1] == 3 else p, "f4") for name, p in parts.items()}
 
 
 def four(values: np.ndarray, last: np.ndarray | int = 0) -> np.ndarray:
     """Rows (n, 3) with a fourth column."""
     fourth = np.broadcast_to(np.asarray(last, values.dtype), len(values))
     return np.hstack([values, fourth[:, None]])
-
-
-def rows(values: np.ndarray, dtype: str, filler: int = 0) -> moderngl.Texture:
-    """A texture ROW wide that holds values (n, components) one after the other.
-
-    Raises:
-        InputError: the device has no textures as large.
-    """
-    size = row_size(len(values))
-    whole = np.full((size[0] * size[1], values.shape[1]), filler, values.dtype)
-    whole[: len(values)] = values
-    texture = context().texture(size, values.shape[1], whole.tobytes(), dtype=dtype)
-    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-    return texture
-
-
-def row_size(count: int) -> tuple[int, int]:
-    """Width and height of a texture of so many elements.
-
-    Raises:
-        InputError: the device has no textures as large.
-    """
-    size = ROW, max(-(-count // ROW), 1)
-    most = context().info["GL_MAX_TEXTURE_SIZE"]
-    if max(size) > most:
-        problem = f"what is baked needs a texture of {size[0]}x{size[1]}; here {most} is the most"
-        raise InputError("scene", "objects", problem, "simplify a mesh, or draw without occlusion")
-    return size

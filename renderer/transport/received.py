@@ -7,18 +7,17 @@ from typing import Any
 import moderngl
 
 from renderer.context import context
-from renderer.program import Maps, bind_maps, fill, program, set_uniforms
-from renderer.targets import release
+from renderer.precompute.lights import MOST
+from renderer.program import Maps, program
 from renderer.transport import rows
 from renderer.transport.scene import SceneGeometry
 from renderer.transport.visibility import SEEN
 
-PASS_LIGHTS = 16  # of a vertex in one pass, for its rays visit many nodes; as in light_bits.glsl
-CHANNELS = 4
+PASS_LIGHTS = 16  # of a vertex in one pass, for its rays visit many nodes; as in lights.glsl
 
 
 @dataclass(frozen=True, eq=False)
-class Exchanged:
+class VertexLight:
     """What was made of each vertex, row by row, and the seconds that it took.
 
     Attributes:
@@ -32,13 +31,13 @@ class Exchanged:
 
 def received(
     geometry: SceneGeometry, uniforms: dict[str, Any], maps: Maps, defines: frozenset[str]
-) -> Exchanged:
+) -> VertexLight:
     """Light the vertices by what is open of the environment; arguments as of `exchange`."""
     start = perf_counter()
     made, direct = direct_light(geometry, uniforms, maps, defines)
     direct.release()
     context().finish()
-    return Exchanged(made, perf_counter() - start)
+    return VertexLight(made, perf_counter() - start)
 
 
 def direct_light(
@@ -65,12 +64,7 @@ def _lights(geometry: SceneGeometry, uniforms: dict[str, Any], maps: Maps) -> mo
     """Of each vertex a bit for each light that it sees."""
     made = rows.empty(geometry.vertices, 4, "u4")
     shader = program("fullscreen.vert", "vertex_lights.frag")
-    target = context().framebuffer([made])
-    set_uniforms(shader, **uniforms)
-    bind_maps(shader, maps)
-    for channel in range(CHANNELS):
-        target.color_mask = tuple(k == channel for k in range(CHANNELS))
-        set_uniforms(shader, first_light=PASS_LIGHTS * channel)
-        fill(target, shader)
-    release(target)
+    for channel in range(MOST // PASS_LIGHTS):
+        told = uniforms | {"first_light": PASS_LIGHTS * channel}
+        rows.run([made], shader, told, maps, channel=channel)
     return made

@@ -8,13 +8,14 @@ import numpy as np
 from renderer.program import Maps
 from renderer.transport import stored
 from renderer.transport.bvh import build
-from renderer.transport.placed import Placed, four, place, rows
+from renderer.transport.placed import Placed, four, place
+from renderer.transport.rows import holding
 from renderer.transport.tessellation import Tessellation, tessellate
 from renderer.transport.visibility import MOST_VERTICES, NOBODY, PER_SEEN, SEEN, Visibility, bake
 from scenes.schema import Case
 
 SIGHT_BITS = 32 - PER_SEEN  # as in shaders/here.glsl
-assert MOST_VERTICES * SEEN**2 < 1 << SIGHT_BITS
+assert MOST_VERTICES * SEEN**2 < 1 << SIGHT_BITS and PER_SEEN == 4
 TOGETHER = 4  # sights of a vertex, beside one another, that are shaded as one until the last bounce
 
 
@@ -42,12 +43,12 @@ def _loaded(placement: stored.Placement) -> SceneGeometry:
     placed = place(objects)
     sights, index, owner = _sights(visibility)
     baked = {
-        "open_bits": rows(visibility.open.reshape(-1, 1), "u4"),
-        "clear_bits": rows(visibility.clear.reshape(-1, 1), "u4"),
-        "flux": rows(visibility.flux.reshape(-1, 2), "f1"),
-        "sights": rows(sights, "u4"),
-        "seen_index": rows(index, "u4"),
-        "sight_owner": rows(owner, "u4"),
+        "open_bits": holding(visibility.open.reshape(-1, 1), "u4"),
+        "clear_bits": holding(visibility.clear.reshape(-1, 1), "u4"),
+        "flux": holding(visibility.flux.reshape(-1, 2), "f1"),
+        "sights": holding(sights, "u4"),
+        "seen_index": holding(index, "u4"),
+        "sight_owner": holding(owner, "u4"),
         **_tree(placed.triangles),
     }
     size = float(np.ptp(placed.triangles.reshape(-1, 3), axis=0).max())
@@ -63,8 +64,8 @@ def _tree(triangles: np.ndarray) -> Maps:
     sides = np.stack([at[:, 0], at[:, 1] - at[:, 0], at[:, 2] - at[:, 0]], axis=1)
     numbers = np.repeat(tree.order, 3).astype(np.float32)
     return {
-        "bvh_nodes": rows(tree.nodes.reshape(-1, 4), "f4"),
-        "bvh_triangles": rows(four(sides.reshape(-1, 3), numbers), "f4"),
+        "bvh_nodes": holding(tree.nodes.reshape(-1, 4), "f4"),
+        "bvh_triangles": holding(four(sides.reshape(-1, 3), numbers), "f4"),
     }
 
 
@@ -82,8 +83,8 @@ def _sights(visibility: Visibility) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     own = (np.cumsum(counts) - counts)[owner] + np.minimum(rank, counts[owner] - 1)
     sight = np.full(visibility.seeing.size, NOBODY >> PER_SEEN)
     sight[visibility.seeing.ravel()] = np.flatnonzero(rank < counts[owner])
-    open_bits = np.unpackbits(visibility.open.view(np.uint8), bitorder="little")
-    open_there = np.packbits(open_bits.reshape(-1, PER_SEEN), axis=1, bitorder="little").ravel()
+    eight = visibility.open.view(np.uint8).ravel()
+    open_there = np.stack([eight & 15, eight >> 4], axis=1).ravel()  # PER_SEEN bits each
     index = sight | open_there.astype(np.uint32) << SIGHT_BITS
     return visibility.sights[own], index[:, None], owner.astype(np.uint32)[:, None]
 

@@ -15,8 +15,9 @@ from renderer.transport import stored
 from renderer.transport.bvh import LEAF, build
 from renderer.transport.directions import cell_directions, cell_shares, cells_around
 from renderer.transport.exchange import MOST_KEPT, _ahead
-from renderer.transport.placed import four, placed_meshes, row_size, rows
+from renderer.transport.placed import four, placed_meshes
 from renderer.transport.rays import Rays
+from renderer.transport.rows import holding, size_of
 from renderer.transport.scene import SIGHT_BITS, TOGETHER, _loaded, _sights, _tree, scene_geometry
 from renderer.transport.tessellation import Tessellation, tessellate
 from renderer.transport.visibility import (
@@ -302,7 +303,7 @@ def test_a_small_sun_casts_a_sharp_shadow(light, make_case):
 
 def test_a_pixel_knows_where_in_its_triangle_it_lies():
     corners = np.array([[0, 5, 0], [1, 5, 0], [0, 5, 1]], np.float32)
-    positions = rows(four(np.float32(corners)), "f4")
+    positions = holding(four(np.float32(corners)), "f4")
     weights = np.array([[0.2, 0.3, 0.5], [0.6, 0.3, 0.1], [1.2, -0.1, -0.1]])
     found = probe(
         "vec4(weights_at(uvec3(0u, 1u, 2u), ray.xyz), 0.0)",
@@ -359,9 +360,9 @@ def test_a_scene_is_baked_once_and_again_where_its_file_is_damaged(ball_and_plat
 
 
 def test_what_no_texture_of_the_device_holds_is_refused():
-    assert row_size(MOST_VERTICES * SEEN**2)[1] <= 16_384
+    assert size_of(MOST_VERTICES * SEEN**2)[1] <= 16_384
     with pytest.raises(InputError, match="simplify a mesh"):
-        row_size(1 << 34)
+        size_of(1 << 34)
 
 
 def test_sights_stand_vertex_by_vertex_in_whole_groups():
