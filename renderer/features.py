@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from math import ceil
+from typing import Any
 
 from scenes.schema import PAPER, VERTEX, Material, Model
 from scenes.surface import has_direction
@@ -148,6 +149,9 @@ class Technique:
         filtered: look each sample up in a mip as large as its share of directions; without,
             the result has no bias and all of the noise.
         diffuse: with the diffuse lobe's light; without, only the specular lobes' is left.
+        even: what an even lobe reflects is known beforehand; without, it is sampled.
+        shares: coverage samples of like normals share a shading point.
+        rays: narrow lobes trace them; without, they read what is baked, as wide ones do.
         fine: maps made so finely that their own error is gone, to tell it from others.
         forced: names of features compiled in whether a material needs them or not, to show what
             leaving them out saves and that it changes nothing.
@@ -165,6 +169,9 @@ class Technique:
     interreflection: bool = False
     filtered: bool = True
     diffuse: bool = True
+    even: bool = True
+    shares: bool = True
+    rays: bool = True
     fine: tuple[str, ...] = ()
     forced: tuple[str, ...] = ()
     reads: tuple[str, ...] = ()
@@ -187,7 +194,7 @@ class Technique:
 
     def traces(self, material: Material) -> bool:
         """Whether rays are traced for a material, where others read what is baked."""
-        return self.occlusion and material.alpha < TRACED
+        return self.occlusion and self.rays and material.alpha < TRACED
 
     def looks_finely(self, material: Material) -> bool:
         """Whether what is baked is seen through a lobe so narrow that it must be exact."""
@@ -213,7 +220,7 @@ class Technique:
 
     def least_points(self, material: Material) -> int:
         """Shading points that a drawn pixel has at least: a pass cannot hold all rays of one."""
-        points = 1
+        points = 1 if self.shares else self.points
         while self.traces(material) and self.per_point(material, points) > PASS_RAYS:
             points *= GROUP
         return points
@@ -243,7 +250,8 @@ class Technique:
     def spares(self, material: Material, model: Model = PAPER) -> bool:
         """Whether most of what a material reflects diffusely is known before it is sampled: E(n) of
         an even lobe. A map's normals are not those that a vertex was lit with."""
-        return self.grouped and material.maps.normal is None and model.multiscatter == "off"
+        known = self.even and self.grouped
+        return known and material.maps.normal is None and model.multiscatter == "off"
 
     def maps(self, material: Material, model: Model = PAPER) -> tuple[str, ...]:
         """The precomputed maps that this technique reads for a material, shared by all weights."""
@@ -279,6 +287,8 @@ class Technique:
     def features(self, material: Material, model: Model = PAPER) -> frozenset[str]:
         """The names of the features that a material needs, and of those forced."""
         needed = features(material, model, self.diffuse, self.forced)
+        if not self.even:
+            needed |= {"SAMPLED_DIFFUSE"}
         # A normal map's variance has a direction, which only samples can follow.
         return needed | ({"ANISOTROPIC"} if self.samples and has_direction(material) else set())
 
@@ -306,22 +316,47 @@ TECHNIQUES = {
 }
 
 
+# What a technique can be drawn without, which tells what each idea of it gains and costs.
+WITHOUT: dict[str, dict[str, Any]] = {
+    "antialiasing": {"msaa": 0, "grid": 1},
+    "grid": {"grid": 1},
+    "sharing": {"shares": False},
+    "blur": {"filtered": False},
+    "irradiance": {"even": False},
+    "rays": {"rays": False},
+    "interreflection": {"interreflection": False},
+    "occlusion": {"occlusion": False, "interreflection": False},
+}
 BY_COUNT = tuple(n for n, t in TECHNIQUES.items() if t.samples)  # that take any number of samples
 
 
 def technique(name: str) -> Technique:
-    """A technique by name; `sampled@N` and `filtered@N` take N directions per pixel.
+    """A technique by name; `best@N` takes N directions per pixel, `best-without-rays` no rays.
 
     Raises:
-        ValueError: there is no such technique.
+        ValueError: there is no such technique, or it does without that anyway.
     """
     if found := TECHNIQUES.get(name):
         return found
+    whole, apart, idea = name.rpartition("-without-")
+    if apart:
+        return _without(technique(whole), idea, name)
     match = re.fullmatch(rf"({'|'.join(BY_COUNT)})@(\d{{1,5}})", name)
     if match and 0 < int(match[2]) <= MOST_SAMPLES:
         return replace(TECHNIQUES[match[1]], name=name, samples=int(match[2]))
     known = ", ".join([*TECHNIQUES, *(f"{n}@N" for n in BY_COUNT)])
     raise ValueError(f"unknown technique '{name}'; known: {known} with N up to {MOST_SAMPLES}")
+
+
+def _without(base: Technique, idea: str, name: str) -> Technique:
+    """A technique without one of its ideas, a key of WITHOUT."""
+    less = replace(base, **WITHOUT.get(idea, {}))
+    filtered = base.grouped or idea not in ("sharing", "blur", "irradiance")
+    sends_rays = base.occlusion or idea != "rays"
+    if less == base or not filtered or not sends_rays:
+        known = ", ".join(WITHOUT)
+        raise ValueError(f"'{base.name}' has no '{idea}' to be without; some have {known}")
+    return replace(less, name=name)
 
 
 def switched(base: Technique, model: Model = PAPER) -> dict[str, Technique]:

@@ -25,7 +25,7 @@
 //
 // Of so few directions a diffuse lobe would still see a bright horizon too much or too little. So they
 // only tell how far the lobe is off an even one, whose light E(n) is known: a control variate.
-#if defined(DIFFUSE) && !defined(SPECULAR_LIGHT)
+#if defined(DIFFUSE) && !defined(SPECULAR_LIGHT) && !defined(SAMPLED_DIFFUSE)
 #define EVEN_LOBE
 #endif
 // Of each shading point where a pixel has 1, 4, 16 or 64 of them.

@@ -1,8 +1,10 @@
 """Techniques by name, and what each asks for."""
 
+from dataclasses import replace
+
 import pytest
 
-from renderer.features import features, split_samples, technique
+from renderer.features import WITHOUT, features, split_samples, technique
 from scenes.schema import PAPER, PHYSICAL, Maps, Material, Model, model_steps
 
 COMPENSATED = Model(fresnel="exact", kd="conserving", masking="smith", multiscatter="on")
@@ -41,6 +43,37 @@ def test_other_names_are_refused_with_those_that_are_known(name):
         match=r"known: paper, .*, best, sampled@N, filtered@N, shadowed@N, best@N with N up to",
     ):
         technique(name)
+
+
+@pytest.mark.parametrize("idea", WITHOUT)
+def test_best_can_be_drawn_without_each_of_its_ideas(idea):
+    less = technique(f"best-without-{idea}")
+    assert less.name == f"best-without-{idea}"
+    assert replace(less, name="best") != technique("best")
+
+
+def test_several_ideas_can_be_left_out():
+    less = technique("best@16-without-rays-without-grid")
+    assert (less.samples, less.grid, less.rays, less.occlusion) == (16, 1, False, True)
+
+
+@pytest.mark.parametrize(
+    "name", ["paper-noaa-without-antialiasing", "filtered-without-rays", "paper-without-irradiance"]
+)
+def test_what_a_technique_does_not_have_cannot_be_left_out(name):
+    with pytest.raises(ValueError, match="to be without; some have antialiasing, grid"):
+        technique(name)
+
+
+def test_without_rays_narrow_lobes_read_what_is_baked(copper):
+    mirror = copper(0.01)
+    assert technique("best").incoming(mirror) == "incoming_traced.glsl"
+    assert technique("best-without-rays").incoming(mirror) == "incoming_baked.glsl"
+
+
+def test_an_idea_that_is_left_out_is_not_spared_for(copper):
+    assert not technique("best-without-irradiance").spares(copper(0.2))
+    assert technique("best-without-sharing").least_points(copper(0.5)) == technique("best").points
 
 
 def test_only_what_a_material_needs_is_compiled_in(copper):
