@@ -48,6 +48,18 @@ class Scale:
         share = (np.nan_to_num(values, nan=self.low) - self.low) / (self.high - self.low)
         return np.round(np.clip(share, 0, 1) * (self.steps - 1)).astype(np.uint8)
 
+    def places(self, values: np.ndarray, inside: np.ndarray) -> np.ndarray:
+        """Places (h, w) uint8 in `palette`."""
+        places = self.indices(values) + np.uint8(2)
+        places[~np.isfinite(values)] = 1
+        places[~inside] = 0
+        return places
+
+    @property
+    def palette(self) -> list[tuple[int, int, int]]:
+        """What is outside, what is no number, and the steps."""
+        return [(0, 0, 0), NOT_A_NUMBER, *map(tuple, self.colours.tolist())]
+
 
 # ColorBrewer's RdBu turned round (Brewer 2002): safe for colour-blind readers, white in the middle.
 SIGNED = Scale(
@@ -68,4 +80,13 @@ SIMILARITY = Scale(
     steps=101,
     stops=("#00224e", "#414d6b", "#7c7b78", "#bcaf6f", "#fde737"),
     ticks=("0 or less", "0.5", "1 same"),
+)
+
+# Magma in six stops (van der Walt and Smith 2015), as the tool that comes with FLIP shows it.
+ERROR = Scale(
+    low=0,
+    high=1,
+    steps=101,
+    stops=("#000004", "#3b0f70", "#8c2981", "#de4968", "#fe9f6d", "#fcfdbf"),
+    ticks=("0 same", "0.5", "1"),
 )

@@ -18,6 +18,13 @@ class PictureError(Exception):
     """A picture that cannot be shown, and why."""
 
 
+def told(error: Exception) -> str:
+    """What to say in place of a picture; anything unforeseen with its kind."""
+    if isinstance(error, PictureError):
+        return str(error)
+    return f"it cannot be drawn ({type(error).__name__}: {error})"
+
+
 @dataclass
 class CaseFrames:
     """A case's frames by the names of its record; each is read once.

@@ -1,19 +1,16 @@
-"""What the report shows of frames: pictures at one exposure and maps on fixed scales."""
+"""Pictures that stand in the page itself: close-ups of the worst row, and maps of causes."""
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from reports.html.colour import SIGNED, SIMILARITY, Scale
-from reports.html.frames import CaseFrames, PictureError
+from reports.html.colour import SIGNED
+from reports.html.frames import CaseFrames, PictureError, told
 from reports.html.png import colour_map, picture
 from reports.ladder import NAMES, RUNGS
 from reports.metrics.energy import block_errors
-from reports.metrics.ssim import ssim_map
 from reports.metrics.subject import Subject
 from reports.results import Ladder, Row
 
@@ -62,51 +59,6 @@ def pixel_errors(subject: Subject) -> np.ndarray:
     return (subject.candidate.mean(axis=2) - truth) / np.maximum(truth, floor)
 
 
-def similarity(subject: Subject) -> np.ndarray:
-    """SSIM per pixel (h, w), mean over channels."""
-    return ssim_map(subject, subject.truth.exposure).mean(axis=2)
-
-
-MAPS: dict[str, tuple[Callable[[Subject], np.ndarray], Scale]] = {
-    "signed": (pixel_errors, SIGNED),
-    "blocks": (block_errors, SIGNED),
-    "ssim": (similarity, SIMILARITY),
-}
-
-
-def case_pictures(frames: CaseFrames) -> list[Picture]:
-    """Every picture of a case: candidates, truths, and the maps of each pair of them."""
-    rows = frames.rows
-    size = frames.record.width, frames.record.height
-    truths = list(dict.fromkeys([*frames.record.truths, *(r.truth for r in rows)]))
-    wanted = [
-        ("candidate", own, against, size, partial(_whole, frames, frames.candidate, name), name)
-        for name, own, against in _candidates(frames)
-    ]
-    wanted += [("truth", (), (t,), size, partial(_whole, frames, frames.truth, t)) for t in truths]
-    for technique, truth in dict.fromkeys((r.technique, r.truth) for r in rows):
-        pair = [r for r in rows if (r.technique, r.truth) == (technique, truth)]
-        wanted += [
-            (kind, (technique,), (truth,), size, partial(_map, frames, pair, kind)) for kind in MAPS
-        ]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(lambda picture: _made(*picture), wanted))
-
-
-def _candidates(frames: CaseFrames) -> list[tuple[str, tuple[str, ...], tuple[str, ...]]]:
-    """Every candidate's picture: its name, its technique, and the truths that it is shown beside.
-
-    These are those that it was compared with where its technique has other pictures too; else all.
-    """
-    rows, found = frames.rows, []
-    for name in dict.fromkeys([*frames.record.candidates, *(r.picture for r in rows)]):
-        technique = next((r.technique for r in rows if r.picture == name), name)
-        all_own = {r.picture for r in rows if r.technique == technique}
-        against = dict.fromkeys(r.truth for r in rows if r.picture == name)
-        found.append((name, (technique,), tuple(against) if len(all_own) > 1 else ()))
-    return found
-
-
 def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:
     """Candidate, truth and signed error around one row's object, at the object's exposure."""
     window, exposure, reason = None, 1.0, ""
@@ -115,13 +67,13 @@ def close_ups(frames: CaseFrames, row: Row) -> list[Picture]:
         window, exposure = _window(mask), frames.exposure_of(row)
         reason = "" if window else row.problem or f"'{row.object}' covers no pixel"
     except Exception as error:  # whatever it is, the rest of the page is still worth having
-        reason = _told(error)
+        reason = told(error)
 
     def shown(kind: str) -> str:
         if reason or window is None:
             raise PictureError(reason)
         if kind == "signed":
-            return _map(frames, [row], kind, window)
+            return _drawn(frames, [row], lambda subject, _: pixel_errors(subject), window)
         whole = frames.candidate(row.picture) if kind == "candidate" else frames.truth(row.truth)
         return picture(whole[window], exposure)
 
@@ -173,30 +125,16 @@ def _cause_map(frames: CaseFrames, rows: list[Row], name: str) -> str:
             added = added + sum(sign * frames.candidate(drawn[t])[crop] for sign, t in pairs)
         return block_errors(Subject(subject.truth.mean + added, subject.truth))
 
-    return _drawn(frames, rows, alone, SIGNED)
-
-
-def _whole(frames: CaseFrames, read: Callable[[str], np.ndarray], name: str) -> str:
-    """A whole picture at the case's exposure."""
-    return picture(read(name), frames.exposure)
-
-
-def _map(
-    frames: CaseFrames, rows: list[Row], kind: str, window: tuple[slice, slice] = np.s_[:, :]
-) -> str:
-    """One map over the objects of all rows, which share a technique and a truth."""
-    compute, scale = MAPS[kind]
-    return _drawn(frames, rows, lambda subject, _: compute(subject), scale, window)
+    return _drawn(frames, rows, alone)
 
 
 def _drawn(
     frames: CaseFrames,
     rows: list[Row],
     compute: Callable[[Subject, tuple[slice, slice]], np.ndarray],
-    scale: Scale,
     window: tuple[slice, slice] = np.s_[:, :],
 ) -> str:
-    """A map of values (h, w) that are computed object by object, each in its crop.
+    """A signed map of values (h, w) that are computed object by object, each in its crop.
 
     An object that cannot be shown is left out, unless there is no other.
     """
@@ -210,10 +148,10 @@ def _drawn(
             values[crop][mask] = compute(subject, crop)[mask]
             inside[crop][mask] = True
         except Exception as error:  # the other objects still have something to show
-            problems.append(_told(error))
+            problems.append(told(error))
     if len(problems) == len(rows):
         raise PictureError(problems[0])
-    return colour_map(values[window], inside[window], scale)
+    return colour_map(values[window], inside[window], SIGNED)
 
 
 def _made(
@@ -230,15 +168,8 @@ def _made(
         with np.errstate(all="ignore"):  # NaN and Inf of a candidate are counted in its row
             uri = make()
     except Exception as error:  # one bad picture must not cost the whole page
-        problem = _told(error)
+        problem = told(error)
     return Picture(kind, techniques, truths, uri, size, problem, name)
-
-
-def _told(error: Exception) -> str:
-    """What to say in place of a picture; anything unforeseen with its kind."""
-    if isinstance(error, PictureError):
-        return str(error)
-    return f"it cannot be drawn ({type(error).__name__}: {error})"
 
 
 def _window(mask: np.ndarray) -> tuple[slice, slice] | None:

@@ -3,16 +3,19 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from reports.gate import headline, worst_first
 from reports.html import causes, columns, verdict
 from reports.html.attack import GateView, gate_of
-from reports.html.colour import SIGNED, SIMILARITY, Scale
+from reports.html.colour import ERROR, SIGNED, SIMILARITY, Scale
 from reports.html.energy_claim import ClaimView, energy_claim_view
 from reports.html.figures import METRICS, decisive, seconds, slug
+from reports.html.finder import Finder, finder_of
 from reports.html.frames import CaseFrames
 from reports.html.gains import Gains, gains_of
-from reports.html.images import Picture, case_pictures, cause_maps, close_ups
+from reports.html.images import Picture, cause_maps, close_ups
+from reports.html.layers import Layer, case_layers
 from reports.html.matrix import Matrix, label_of, matrices, row_id
 from reports.html.speed import SpeedView, speed_of
 from reports.html.stability import StabilityView, stability_of
@@ -58,7 +61,30 @@ KINDS = {
         "highlights, edges or texture differ, whatever the energy says.",
         SIMILARITY,
     ),
+    "flip": Kind(
+        "FLIP",
+        "How different two pictures look that are flipped back and forth (HDR-FLIP, at two "
+        "exposures): black is the same. The reference's noise counts as difference.",
+        ERROR,
+    ),
+    "difference": Kind(
+        "Difference",
+        "Size of the difference of linear radiance, channel by channel, at the chosen exposure: "
+        "black is the same.",
+    ),
     **{n: Kind(f"Error by {n}", causes.MEANINGS[n], SIGNED) for n in NAMES},
+}
+
+# What the viewer can show: its name in an address, its label, and the kind that explains it.
+VIEWS = {
+    "slide": ("slider", Kind("", "Left of the divider the candidate, right of it the reference.")),
+    "blink": ("flip", Kind("", "One in the other's place: what jumps is the difference.")),
+    "side": ("side by side", Kind("", "Zoom and place are the same on both sides.")),
+    "difference": ("difference", KINDS["difference"]),
+    "signed": ("signed error", KINDS["signed"]),
+    "blocks": ("block error", KINDS["blocks"]),
+    "ssim": ("SSIM", KINDS["ssim"]),
+    "flip": ("FLIP", KINDS["flip"]),
 }
 
 
@@ -87,7 +113,8 @@ class CaseView:
     techniques: list[str]
     truths: list[str]
     chosen: tuple[str, str]
-    pictures: list[Picture]
+    layers: list[Layer]
+    viewer: dict[str, Any]
     causes: list[causes.Chart]
     part_meanings: dict[str, str]
     cause_maps: list[Picture]
@@ -116,6 +143,7 @@ class Page:
     labels: dict[str, str]
     gains: Gains | None
     facts: list[Fact]
+    finder: Finder
     cases: list[CaseView]
     groups: tuple[tuple[str, tuple[columns.Column, ...]], ...]
     kinds: dict[str, Kind]
@@ -126,6 +154,33 @@ class Page:
     speed: SpeedView | str | None
     stability: StabilityView | str | None
     gate: GateView | None
+
+    @property
+    def layers(self) -> list[Layer]:
+        """What the viewers draw, of all cases."""
+        return [layer for case in self.cases for layer in case.layers if layer.data]
+
+    @property
+    def views(self) -> list[tuple[str, str]]:
+        """The views of a case: their names in an address, and their labels."""
+        return [(name, label) for name, (label, _) in VIEWS.items()]
+
+    @property
+    def readings(self) -> list[tuple[str, Kind]]:
+        """How to read each view."""
+        return [(name, kind) for name, (_, kind) in VIEWS.items()]
+
+    @property
+    def told_kinds(self) -> dict[str, Any]:
+        """Of each kind what the page's script needs: its title and its colours."""
+        return {name: _told(kind) for name, kind in KINDS.items()}
+
+
+def _told(kind: Kind) -> dict[str, Any]:
+    told: dict[str, Any] = {"title": kind.title}
+    if scale := kind.scale:
+        told |= {"low": scale.low, "high": scale.high, "palette": scale.palette}
+    return told
 
 
 def page_of(results: Results, folder: Path) -> Page:
@@ -154,6 +209,7 @@ def page_of(results: Results, folder: Path) -> Page:
         labels={name: metric.label for name, metric in METRICS.items()},
         gains=gains_of(results.rows),
         facts=facts(results),
+        finder=finder_of(results.rows),
         cases=views,
         groups=columns.GROUPS,
         kinds=KINDS,
@@ -187,11 +243,11 @@ def _close_ups(place: CaseRecord | None, folder: Path, ranked: list[Row]) -> lis
 
 def _case(results: Results, frames: CaseFrames) -> CaseView:
     record, rows = frames.record, frames.rows
-    pictures = case_pictures(frames)
+    layers = case_layers(frames)
     ladders = [found for found in results.ladders if found.case == record.id]
     shown = causes.charts(ladders)
     shared, own = notes_of(rows)
-    drawn, traced = ([p for p in pictures if p.kind == kind] for kind in ("candidate", "truth"))
+    drawn, traced = ([p for p in layers if p.kind == kind] for kind in ("candidate", "truth"))
     techniques = list(dict.fromkeys(t for p in drawn for t in p.techniques))
     truths = list(dict.fromkeys(t for p in traced for t in p.truths))
     chosen = (rows[0].technique, rows[0].truth) if rows else (
@@ -205,7 +261,14 @@ def _case(results: Results, frames: CaseFrames) -> CaseView:
         techniques=techniques,
         truths=truths,
         chosen=chosen,
-        pictures=pictures,
+        layers=layers,
+        viewer={
+            "width": record.width,
+            "height": record.height,
+            "exposure": frames.exposure,
+            "objects": list(dict.fromkeys(r.object for r in rows)),
+            "layers": [layer.told for layer in layers],
+        },
         causes=shown,
         part_meanings=causes.part_meanings(shown),
         cause_maps=cause_maps(frames, ladders),

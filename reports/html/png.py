@@ -21,10 +21,7 @@ def picture(rgb: np.ndarray, exposure: float) -> str:
 
 def colour_map(values: np.ndarray, inside: np.ndarray, scale: Scale) -> str:
     """Values (h, w) on a colour scale; clear outside, magenta where a value inside is NaN."""
-    indices = scale.indices(values) + np.uint8(2)
-    indices[~np.isfinite(values)] = 1
-    indices[~inside] = 0
-    return indexed(indices, [(0, 0, 0), NOT_A_NUMBER, *map(tuple, scale.colours.tolist())])
+    return indexed(scale.places(values, inside), scale.palette)
 
 
 def indexed(indices: np.ndarray, palette: Sequence[tuple[int, int, int]]) -> str:

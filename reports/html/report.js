@@ -1,5 +1,4 @@
-"use strict";
-// The page works without this script, with everything shown at once; it only chooses.
+// Of figures and charts the page shows everything at once without this script; it only chooses.
 
 // Show, in a section, what matches the chosen technique, truth and so on.
 function choose(section) {
@@ -17,18 +16,19 @@ function choose(section) {
   for (const row of section.querySelectorAll("tbody[id]")) row.classList.toggle("chosen", matches(row));
 }
 
-// A link to a row shows that row's pictures above its table.
+// A link to a row, or to a view of its case, shows the pictures above its table.
 function follow() {
-  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  const [id, asked] = decodeURIComponent(location.hash.slice(1)).split("?");
+  const target = document.getElementById(id);
+  if (asked && target?.obey) target.obey(new URLSearchParams(asked));
   const section = target && target.closest(".case");
-  if (!section || target === section) return;
+  if (!section || (target === section && !asked)) return;
+  const wanted = new URLSearchParams(asked);
   for (const axis of ["technique", "truth"]) {
-    for (const input of section.querySelectorAll(`input[data-axis=${axis}]`)) {
-      input.checked = input.value === target.dataset[axis];
-    }
+    if (target !== section && !wanted.has(axis)) wanted.set(axis, target.dataset[axis]);
   }
-  choose(section);
-  section.querySelector(".pictures").scrollIntoView({ block: "start" });
+  section.viewer.obey(wanted);
+  section.scrollIntoView({ block: "start" });
 }
 
 // Points and lines take the places that the chosen meaning of time gives them.
@@ -75,7 +75,7 @@ for (const spots of document.querySelectorAll(".spots")) {
 }
 
 // A heading sorts its table: first upwards, then downwards, what is unknown last.
-for (const button of document.querySelectorAll(".points thead button")) {
+for (const button of document.querySelectorAll(".sortable thead button")) {
   button.addEventListener("click", () => {
     const head = button.closest("th");
     const heads = [...head.parentElement.children];
@@ -93,15 +93,23 @@ for (const section of document.querySelectorAll("[data-group]")) {
   section.addEventListener("change", () => (choose(section), move(section)));
   choose(section);
 }
+async function copy(text, button) {
+  const said = button.textContent;
+  try {
+    await navigator.clipboard.writeText(text);
+    button.textContent = "Copied";
+    setTimeout(() => (button.textContent = said), 2000);
+    return true;
+  } catch {
+    return false;
+  }
+}
+
 for (const button of document.querySelectorAll("[data-copy]")) {
   button.addEventListener("click", async () => {
     const text = document.getElementById(button.dataset.copy);
-    try {
-      await navigator.clipboard.writeText(text.textContent);
-      button.textContent = "Copied";
-    } catch {
-      getSelection().selectAllChildren(text); // a browser that forbids it still saves the aiming
-    }
+    // A browser that forbids it still saves the aiming.
+    if (!(await copy(text.textContent, button))) getSelection().selectAllChildren(text);
   });
 }
 addEventListener("hashchange", follow);

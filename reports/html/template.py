@@ -11,7 +11,8 @@ from markupsafe import Markup
 from reports.html.numbers import prose
 
 HERE = Path(__file__).parent
-STYLES, SCRIPTS = ("report.css", "attack.css", "stability.css"), ("report.js", "atlas.js")
+STYLES = "report.css", "viewer.css", "attack.css", "stability.css"
+SCRIPTS = "packing.js", "viewer.js", "finder.js", "report.js", "atlas.js"
 
 
 def render(template: str, **shown: Any) -> str:

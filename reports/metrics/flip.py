@@ -1,5 +1,6 @@
 """HDR-FLIP (Andersson et al. 2021) at the two exposures that SSIM uses."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import flip_evaluator
@@ -10,7 +11,7 @@ from reports.noise import combined, quantile
 
 PIXELS_PER_DEGREE = 67.0  # the tool's own default: 0.7 m from a 4K display 0.7 m wide
 SLOWEST = 0.35  # power of 1/n at which noise leaves the map at least
-APART = 12  # rows around pictures above each other; FLIP's filters reach 10 at this setting
+APART = 12  # pixels around pictures in one call; FLIP's filters reach 10 at this setting
 BLOCK = 32  # several times that reach: blocks of the map share little noise
 
 
@@ -25,9 +26,10 @@ def figures(subject: Subject) -> dict[str, Any]:
     """
     mask, batches = subject.truth.mask, subject.truth.batches
     if len(batches) < 2:
-        return {"flip": float(flip_map(subject)[mask].mean())}
+        return {"flip": float(flip_maps([subject])[0][mask].mean())}
     count = len(batches) // 2 * 2
-    whole, half = _maps(subject, [subject.truth.mean, batches[0:count:2].mean(axis=0)])
+    truths = subject.truth.mean, batches[0:count:2].mean(axis=0)
+    whole, half = _maps([(subject, truth) for truth in truths])
     # A half differs from the whole as the whole from the truth: the map's noise, block by block.
     blocks = _labels(mask.shape)[mask]
     apart = np.bincount(blocks, (half - whole)[mask]) / mask.sum()
@@ -41,42 +43,52 @@ def figures(subject: Subject) -> dict[str, Any]:
     }
 
 
-def flip_map(subject: Subject) -> np.ndarray:
-    """The HDR-FLIP map against the mean of all batches, (h, w)."""
-    return _maps(subject, [subject.truth.mean])[0]
+def flip_maps(subjects: Sequence[Subject]) -> list[np.ndarray]:
+    """The HDR-FLIP maps against the mean of all batches, (h, w) each."""
+    return _maps([(subject, subject.truth.mean) for subject in subjects])
 
 
-def _maps(subject: Subject, truths: list[np.ndarray]) -> list[np.ndarray]:
-    """HDR-FLIP maps, (h, w) each, with exposures given, since automatic ones can be infinite.
+def _maps(pairs: Sequence[tuple[Subject, np.ndarray]]) -> list[np.ndarray]:
+    """HDR-FLIP maps, (h, w) each, of subjects against some truths (h, w, 3).
 
-    One above the other, apart by their outer rows repeated: a call takes 0.2 s however small.
+    Exposures are given, since automatic ones can be infinite; and brought to 1, since a call takes
+    0.2 s however small, and all pictures share it: one above the other, apart by their outer rows
+    and columns repeated.
     """
-    on_object = subject.truth.mask[..., None]
-    candidates = [np.where(on_object, subject.candidate, truth) for truth in truths]
-    stops = float(np.log2(subject.truth.exposure))
+    widest = max(truth.shape[1] for _, truth in pairs)
+    truths, candidates = [], []
+    for subject, truth in pairs:
+        joined = np.where(subject.truth.mask[..., None], subject.candidate, truth)
+        exposure = np.float32(subject.truth.exposure)
+        truths.append(_framed(truth * exposure, widest))
+        candidates.append(_framed(joined * exposure, widest))
     error, _, _ = flip_evaluator.evaluate(
-        _stacked(truths),
-        _stacked(candidates),
+        np.concatenate(truths),
+        np.concatenate(candidates),
         "HDR",
         inputsRGB=False,
         applyMagma=False,
         computeMeanError=False,
         parameters={
             "ppd": PIXELS_PER_DEGREE,
-            "startExposure": stops - 3,
-            "stopExposure": stops,
+            "startExposure": -3.0,
+            "stopExposure": 0.0,
             "numExposures": 2,
         },
     )
-    height = len(subject.truth.mask)
-    starts = range(APART, len(error), height + 2 * APART)
-    return [error[start : start + height, :, 0] for start in starts]
+    found, row = [], APART
+    for _, truth in pairs:
+        height, width = truth.shape[:2]
+        found.append(error[row : row + height, APART : APART + width, 0])
+        row += height + 2 * APART
+    return found
 
 
-def _stacked(images: list[np.ndarray]) -> np.ndarray:
-    edges = ((APART, APART), (0, 0), (0, 0))
-    padded = [np.pad(np.clip(image, 0, None), edges, mode="edge") for image in images]
-    return np.ascontiguousarray(np.concatenate(padded), np.float32)
+def _framed(image: np.ndarray, width: int) -> np.ndarray:
+    """An image between its outer pixels repeated, to some width in all."""
+    right = width - image.shape[1] + APART
+    padded = np.pad(np.clip(image, 0, None), ((APART, APART), (APART, right), (0, 0)), mode="edge")
+    return np.ascontiguousarray(padded, np.float32)
 
 
 def _labels(shape: tuple[int, int]) -> np.ndarray:

@@ -79,7 +79,7 @@ def run(job: Job) -> Results:
 def _clear(out: Path) -> None:
     """Remove an earlier run's results: a run that fails must not leave their verdict standing."""
     if (out / "results.json").is_file():
-        for name in ("frames", "truths"):
+        for name in ("frames", "truths", "report_files"):
             shutil.rmtree(out / name, ignore_errors=True)
     for name in ("results.json", "report.html", "junit.xml", "summary.md"):
         (out / name).unlink(missing_ok=True)

@@ -2,6 +2,9 @@
 
 import base64
 import io
+import json
+import re
+import zlib
 from html.parser import HTMLParser
 
 import numpy as np
@@ -100,6 +103,46 @@ def image(page, words):
     """The pixels of the one image whose alternative text starts with `words`."""
     (found,) = [a for t, a in page.elements if t == "img" and a["alt"].startswith(words)]
     return pixels(found["src"])
+
+
+def layer(text, *names, size=(HEIGHT, WIDTH)):
+    """The places (h, w) of a map, or the radiance (h, w, 3) of a picture, of a page's case."""
+    pattern = (
+        rf'<script type="text/plain" id="layer--spheres.dusk--{"--".join(names)}">(.*?)</script>'
+    )
+    data = zlib.decompress(base64.b64decode(re.search(pattern, text)[1]))
+    if names[0] in ("candidate", "truth"):
+        (told,) = [t for t in told_layers(text) if t["id"].endswith("--".join(names))]
+        return unpacked(data, size) * told["scale"]
+    return np.frombuffer(data, np.uint8).reshape(size)
+
+
+def unpacked(data, size):
+    """What packing.js makes of a picture's bytes, (h, w, 3), before its scale."""
+    high, low = np.frombuffer(data, np.uint8).reshape(2, 3, *size)
+    zigzag = high.astype(int) << 8 | low
+    off = (zigzag >> 1) ^ -(zigzag & 1)
+    planes = np.zeros((3, *size), int)
+    for y, x in np.ndindex(*size):
+        left = planes[:, y, x - 1] if x else 0
+        above = planes[:, y - 1, x] if y else 0
+        planes[:, y, x] = (off[:, y, x] + ((left + above) >> 1)).astype(np.int16)
+    green, red, blue = planes[0], planes[0] + planes[1], planes[0] + planes[2]
+    bits = np.stack([red, green, blue], axis=2).astype(np.uint16)
+    return bits.view(np.float16).astype(float)
+
+
+def told_layers(text):
+    """What a page's script is told of the layers of its cases."""
+    told = re.findall(
+        r'<div class="viewer">\s*<script type="application/json">(.*?)</script>', text
+    )
+    return [layer for case in told for layer in json.loads(case)["layers"]]
+
+
+def problems(text):
+    """Why layers are missing, by kind and technique or truth."""
+    return {(t["kind"], t["name"]): t["problem"] for t in told_layers(text) if t["problem"]}
 
 
 def bare_report(folder):

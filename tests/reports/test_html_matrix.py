@@ -84,7 +84,7 @@ def test_matrix_starts_with_what_the_headline_names(folder, figures, name):
     page = Page(written(results([judge(row(**figures), [budget])]), folder))
     assert f"{name} energy" in page.text["h1"]
     (chosen,) = [a["value"] for t, a in page.elements
-                 if t == "input" and a["data-axis"] == "energy" and "checked" in a]  # fmt: skip
+                 if t == "input" and a.get("data-axis") == "energy" and "checked" in a]  # fmt: skip
     shown = {a["data-energy"] for t, a in page.elements
              if "data-energy" in a and "hidden" not in a}  # fmt: skip
     assert chosen == name and shown == {name, ""}

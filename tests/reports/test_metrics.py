@@ -272,10 +272,22 @@ def test_flip_bounds_hold_the_figure_without_noise():
 
 def test_flip_of_pictures_side_by_side_is_that_of_each_alone():
     truth = noisy(picture(), 8, 0.1)
-    beside = flip._maps(subject(picture(), truth), [truth[0], truth[1]])
-    for k in range(2):
-        alone = flip._maps(subject(picture(), truth), [truth[k]])[0]
-        assert np.abs(beside[k] - alone)[mask()].max() < 1e-5
+    whole = subject(picture(), truth)
+    part = np.s_[20:70, 10:60]  # narrower, and at another exposure
+    view = TruthView(truth[(slice(None), *part)], mask()[part], 3.0)
+    narrow = Subject(whole.candidate[part], view)
+    for shown, alone in zip(flip.flip_maps([whole, narrow]), (whole, narrow), strict=True):
+        apart = np.abs(shown - flip.flip_maps([alone])[0])
+        assert apart[alone.truth.mask].max() < 1e-5
+
+
+def test_flip_sees_exposed_pictures():
+    """A picture half as bright, shown twice as bright, is the same."""
+    truth = noisy(picture(), 8, 0.1)
+    bright, dim = (
+        Subject(s * (picture() * 1.1), TruthView(s * truth, mask(), 1 / s)) for s in (1.0, 0.5)
+    )
+    assert flip.figures(bright)["flip"] == pytest.approx(flip.figures(dim)["flip"], rel=1e-4)
 
 
 def test_chroma_tells_a_dull_picture_from_a_dark_one():
