@@ -2,10 +2,15 @@
 
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from junitparser import Error, Failure, JUnitXml, Skipped, TestCase, TestSuite
 
+from reports.change.ranking import by_row, verdict_of
+from reports.change.told import heading, worst
+from reports.change.told import markdown as markdown_of_changes
+from reports.crops import Crop
 from reports.gate import headline, worst_first
 from reports.results import Results, Row
 from reports.terminal import BESIDE, beside_cells, describe, skips
@@ -23,10 +28,13 @@ SHOWN = 20  # rows in the summary
 def write_junit(results: Results, path: Path) -> None:
     """JUnit XML: one test per row; missing rows and the run's own reasons are failures too."""
     suite = TestSuite(f"shadeproof.{results.suite}")
+    worse = _worse(results)
     for row in results.rows:
         test = TestCase(f"{row.object} {row.technique} against {row.truth}", classname=row.case)
         test.time = 0.0 if row.frame_ms != row.frame_ms else row.frame_ms / 1e3
-        if row.verdict == "fail" or (
+        if told := worse.get((row.case, row.object, row.technique, row.truth)):
+            test.result = [Failure(told)]
+        elif row.verdict == "fail" or (
             row.verdict == "inconclusive" and not results.allow_inconclusive
         ):
             test.result = [Failure(describe(row))]
@@ -47,12 +55,24 @@ def write_junit(results: Results, path: Path) -> None:
     write_text(path, xml.tostring().decode())
 
 
-def markdown(results: Results) -> str:
-    """The summary: verdict, reasons and the worst rows."""
+def _worse(results: Results) -> dict[tuple[str, str, str, str], str]:
+    """What is said of each row that got worse, where that fails the run."""
+    if not results.changed or not results.changed.judged:
+        return {}
+    since = heading(results.changed)
+    rows = by_row(results.changed).items()
+    return {key: f"{worst(own)} {since}" for key, own in rows if verdict_of(own) == "worse"}
+
+
+def markdown(results: Results, crops: Sequence[Crop] = ()) -> str:
+    """The summary: verdict, reasons, pictures of the worst rows, and the worst rows."""
     heading = ", ".join([f"{results.suite} {headline(results).upper()}", *skips(results)])
     lines = [f"## shadeproof: {heading}", ""]
     if results.reasons:
         lines += [*(f"- {reason}" for reason in results.reasons), ""]
+    for crop in crops:
+        told = describe(crop.row).replace("[", "(").replace("]", ")")
+        lines += [f"![{told}]({crop.path})", "", f"{told}; candidate, reference, signed error", ""]
     lines += [
         f"| {' | '.join(COLUMNS)} |",
         f"|{' --- |' * len(COLUMNS)}",
@@ -61,6 +81,8 @@ def markdown(results: Results) -> str:
     lines += [_line(row) for row in shown]
     counts = f"The worst {len(shown)} of {len(results.rows)} rows; {results.expected_rows} in all."
     lines += ["", f"{counts} Again: `{results.command}`", ""]
+    if results.changed:
+        lines += markdown_of_changes(results.changed)
     if results.beside:
         lines += [f"How far off, beside {results.beside.suite}:", "", f"| {' | '.join(BESIDE)} |"]
         lines += [f"|{' --- |' * len(BESIDE)}"]
@@ -81,9 +103,9 @@ def _line(row: Row) -> str:
     )
 
 
-def annotate(results: Results, path: Path) -> None:
+def annotate(results: Results, path: Path, crops: Sequence[Crop] = ()) -> None:
     """Write the summary to `path` and where GITHUB_STEP_SUMMARY says; print ::error lines in CI."""
-    text = markdown(results)
+    text = markdown(results, crops)
     write_text(path, text)
     if extra := os.environ.get("GITHUB_STEP_SUMMARY"):
         try:

@@ -5,8 +5,9 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from reports.change.ranking import by_row, verdict_of
 from reports.noise import CONFIDENCE, Estimate, sidak
-from reports.results import Missing, Results, Row, Verdict
+from reports.results import Changes, Missing, Results, Row, Verdict
 from scenes.errors import InputError
 from scenes.schema import PHYSICAL, Model
 from scenes.suite import Budget, Entry, Sampling
@@ -254,16 +255,36 @@ def conclude(results: Results) -> Results:
         for c in results.provenance.get("parity", ())
         if c.get("judged") and not c["passed"]
     ]
-    if results.rows and not any(
-        r.verdict in ("pass", "fail", "inconclusive") for r in results.rows
-    ):
+    judged = any(r.verdict in ("pass", "fail", "inconclusive") for r in results.rows)
+    if results.changed and results.changed.judged:
+        reasons += list(_regressions(results.changed, results.skipped))
+    elif results.rows and not judged:
         reasons.append("no row has a budget, so nothing was judged")
     return results.model_copy(update={"verdict": "fail" if reasons else "pass", "reasons": reasons})
+
+
+def _regressions(changed: Changes, skipped: Sequence[str]) -> Iterator[str]:
+    """Why a run fails beside an earlier one; a case that the filter skips is not missed."""
+    rows = by_row(changed)
+    worse = [key for key, own in rows.items() if verdict_of(own) == "worse"]
+    if worse:
+        case, thing, technique, truth = worse[0]
+        yield (
+            f"{len(worse)} of {len(rows)} rows are worse than in {changed.path}, first {case} "
+            f"{thing} ({technique} against {truth})"
+        )
+    left_out = {name.split(" (filter")[0] for name in skipped}
+    lost = [i for i in changed.incomparable if i.lost and i.case not in left_out]
+    if lost:
+        yield f"{len(lost)} rows of {changed.path} are gone, first {lost[0].case} {lost[0].object}"
+    if not rows:
+        yield f"no row could be compared with {changed.path}"
 
 
 def headline(results: Results) -> Verdict:
     """What a run has to say: its verdict, or `reported` where that nothing was judged is all."""
     judged = any(r.verdict != "reported" for r in results.rows)
+    judged |= bool(results.changed and results.changed.judged)
     return results.verdict if judged or not results.rows or results.missing else "reported"
 
 

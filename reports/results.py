@@ -195,6 +195,55 @@ class Beside(Record):
     ratios: list[Ratio]
 
 
+class Change(Record):
+    """How far one figure of a row moved since an earlier run.
+
+    `figure` is a field of Row. `change` is new less old with a 95 % interval over the object's
+    blocks, both pictures against the same reference where `paired`; else the difference of two
+    runs' figures, with the noise of both. `verdict` is `better` or `worse` where the whole interval
+    is further than `tolerance`, `unchanged` where all of it is nearer, else `unclear`.
+    """
+
+    case: str
+    object: str
+    technique: str
+    truth: str
+    figure: str
+    old: Figure
+    new: Figure
+    change: Figure
+    low: Figure
+    high: Figure
+    tolerance: float
+    paired: bool
+    verdict: Literal["better", "worse", "unchanged", "unclear"]
+
+
+class Incomparable(Record):
+    """A row that only one of two runs has, or whose change says nothing, and why."""
+
+    case: str
+    object: str
+    technique: str
+    truth: str
+    reason: str
+    lost: bool = False
+
+
+class Changes(Record):
+    """What changed since an earlier run, in the figures of `reports.change`.
+
+    `judged` says whether worse rows fail this run.
+    """
+
+    path: str
+    suite: str
+    created: str
+    judged: bool = False
+    changes: list[Change]
+    incomparable: list[Incomparable] = Field(default_factory=list)
+
+
 class CaseRecord(Record):
     """Where the pictures of a case lie, relative to results.json.
 
@@ -232,6 +281,7 @@ class Results(Record):
     rows: list[Row]
     ladders: list[Ladder] = Field(default_factory=list)
     beside: Beside | None = None
+    changed: Changes | None = None
     verdict: Literal["pass", "fail"]
     reasons: list[str]
 

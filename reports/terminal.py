@@ -1,14 +1,20 @@
 """What the terminal shows: materials down, weights across, or a list of both."""
 
 import math
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from reports.change.told import print_changes
+from reports.crops import Crop
 from reports.furnace import MASKINGS, Departure, EnergyClaim, Quantity
 from reports.gate import headline, worst_first
+from reports.html.figures import METRICS, half_width
 from reports.results import Beside, Ladder, Ratio, Results, Row
 from reports.telling import crossed, notes_of
 from scenes.draw.suite import WIDER
@@ -51,6 +57,8 @@ def print_results(results: Results, console: Console) -> None:
     console.print(
         "Each cell: local energy error, energy error, SSIM. Weight: share of GGX.", style="dim"
     )
+    if results.changed:
+        print_changes(results.changed, console)
     print_verdict(results, console)
     if results.beside:
         print_beside(results.beside, console)
@@ -120,6 +128,19 @@ def print_verdict(results: Results, console: Console) -> None:
         console.print(f"  why: {why(found)}", style="dim", markup=False, soft_wrap=True)
 
 
+def print_crops(crops: Sequence[Crop], out: Path, results: Results, console: Console) -> None:
+    """Of a run that fails: the pictures of its worst rows, and the command that shows one again."""
+    if results.verdict == "pass" or not crops:
+        return
+    for crop in crops:
+        row = crop.row
+        told = f"{row.object} in {row.case}, {row.technique} against {row.truth}"
+        console.print(f"  picture: {out / crop.path}: {told}", soft_wrap=True, markup=False)
+    case, suite = crops[0].row.case, results.suite_path
+    command = shlex.join(["shadeproof", "compare", "--suite", suite, "--filter", case])
+    console.print(f"  see it: .venv/bin/{command}", soft_wrap=True, markup=False)
+
+
 def skips(results: Results) -> list[str]:
     """How many cases of the suite were left out, as a list of one text or none."""
     count = len(results.skipped)
@@ -160,7 +181,9 @@ def describe(row: Row) -> str:
 def _held(row: Row, metric: str) -> str:
     """A figure against its limit; one that misses it says so, or that noise hides whether."""
     value, limit = getattr(row, metric), row.budget[metric]
-    shown = f"{metric} {_figure(metric, value)} of {_figure(metric, limit)}"
+    half = half_width(METRICS[metric].bounds(row))
+    noise = f" ± {_figure(metric, half)}" if math.isfinite(half) else ""
+    shown = f"{metric} {_figure(metric, value)}{noise} of {_figure(metric, limit)}"
     if metric in row.undecided:
         return f"{shown} undecided"
     return f"{shown} MISSED" if row.margins[metric] < 0 else shown

@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 
+from reports.frames import CaseFrames, PictureError, told
 from reports.html.colour import SIGNED
-from reports.html.frames import CaseFrames, PictureError, told
 from reports.html.png import colour_map, picture
 from reports.ladder import NAMES, RUNGS
 from reports.metrics.energy import block_errors

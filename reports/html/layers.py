@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from reports.frames import CaseFrames, PictureError, told
 from reports.html.colour import ERROR, SIGNED, SIMILARITY, Scale
 from reports.html.figures import slug
-from reports.html.frames import CaseFrames, PictureError, told
 from reports.html.packing import packed_places, packed_radiance
 from reports.metrics.energy import block_errors
 from reports.metrics.flip import flip_maps

@@ -5,14 +5,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from reports.frames import CaseFrames
 from reports.gate import headline, worst_first
 from reports.html import causes, columns, verdict
 from reports.html.attack import GateView, gate_of
+from reports.html.changed import ChangedView, changed_of
 from reports.html.colour import ERROR, SIGNED, SIMILARITY, Scale
 from reports.html.energy_claim import ClaimView, energy_claim_view
 from reports.html.figures import METRICS, decisive, seconds, slug
 from reports.html.finder import Finder, finder_of
-from reports.html.frames import CaseFrames
 from reports.html.gains import Gains, gains_of
 from reports.html.images import Picture, cause_maps, close_ups
 from reports.html.layers import Layer, case_layers
@@ -143,6 +144,7 @@ class Page:
     labels: dict[str, str]
     gains: Gains | None
     facts: list[Fact]
+    changed: ChangedView | None
     finder: Finder
     cases: list[CaseView]
     groups: tuple[tuple[str, tuple[columns.Column, ...]], ...]
@@ -209,6 +211,7 @@ def page_of(results: Results, folder: Path) -> Page:
         labels={name: metric.label for name, metric in METRICS.items()},
         gains=gains_of(results.rows),
         facts=facts(results),
+        changed=changed_of(results),
         finder=finder_of(results.rows),
         cases=views,
         groups=columns.GROUPS,

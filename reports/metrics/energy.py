@@ -135,6 +135,33 @@ def block_errors(subject: Subject) -> np.ndarray:
     return np.where(mask, errors[np.where(mask, labels, 0)], np.nan)
 
 
+def paired_squares(
+    old: Subject, new: Subject, group: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Squared relative errors of two pictures in the blocks of one truth.
+
+    The noise of the truth is taken out of the old picture's squares, by pairs of batches, and falls
+    out of the difference between the two.
+
+    Returns:
+        Squares of the old and of the new picture times the blocks' pixels, (b, 3) each, those
+        pixels (b,), and in which larger block, of `group` pixels aside, each lies, (b,).
+    """
+    pixels, before, batches = _blocks(old)
+    after, truth = _blocks(new)[1], batches.mean(axis=0)
+    weights = block_weights(pixels, truth) * pixels.sum()
+    errors = before - batches
+    squares = weights * pairs(errors[:, None] * errors)
+    apart = weights * (after - before) * (after + before - 2 * truth)
+    mask, corner = old.truth.mask, old.truth.corner
+    places = np.argwhere(mask) + corner
+    inverse, count = _numbered(_labels(mask.shape, corner)[mask])
+    first = np.full(count, len(inverse))
+    np.minimum.at(first, inverse, np.arange(len(inverse)))
+    rows, columns = (places[first] // group).T
+    return squares, squares + apart, pixels, rows * (columns.max() + 1) + columns
+
+
 def block_sums(pixels: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Pixels (H, W, 3 or 1) of a whole picture summed over an object's blocks, (3 blocks,)."""
     labels, count = _numbered(_labels(mask.shape, (0, 0))[mask])

@@ -1,5 +1,6 @@
 """What to run: a suite resolved into cases, candidates and references."""
 
+import copy
 import fnmatch
 import tempfile
 from collections.abc import Iterable
@@ -90,6 +91,12 @@ class Job:
         object.__setattr__(self, "entries", entries)
         object.__setattr__(self, "whole", whole)
         object.__setattr__(self, "skipped", [f"{i} (filter '{self.filter}')" for i in skipped])
+
+    def without_budgets(self) -> "Job":
+        """The same job, in which no row has a budget."""
+        bare = copy.copy(self)
+        object.__setattr__(bare, "suite", self.suite.model_copy(update={"budget": []}))
+        return bare
 
     @cached_property
     def executor(self) -> Executor | None:

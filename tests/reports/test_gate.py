@@ -285,6 +285,6 @@ def test_a_gate_without_budgets_says_that_it_fails(monkeypatch):
     monkeypatch.setattr(judging, "console", Console(file=said))
     monkeypatch.setattr(options, "make_job", lambda **_: None)
     run = results([gate.judge(row(), [])], budgets=[])
-    monkeypatch.setattr(judging, "_compare", lambda *_: run)
+    monkeypatch.setattr(judging, "_compare", lambda *_, **__: run)
     assert CliRunner().invoke(app, ["gate"]).exit_code == 1
     assert "FAIL: a gate needs a row with a budget" in said.getvalue()

@@ -1,0 +1,1 @@
+"""What changed between two runs: figure by figure, on the same references."""
