@@ -88,6 +88,7 @@ def _compare(
     from reports.change.since import load_earlier, since
     from reports.ci import annotate, write_junit
     from reports.crops import write_crops
+    from reports.history import remember
     from reports.results import save_results
     from reports.run.suite import run
     from reports.terminal import print_crops, print_results
@@ -100,6 +101,7 @@ def _compare(
         results = since(results, job.out, earlier, against, judged)
     if shipped:
         results = beside(results, shipped, other)
+    remember(results, job.out)
     page = None if job.verdict_only else _page(results, job.out)
     crops = write_crops(results, job.out)
     write_junit(results, job.out / "junit.xml")

@@ -20,6 +20,7 @@ from reports.html.layers import Layer, case_layers
 from reports.html.matrix import Matrix, label_of, matrices, row_id
 from reports.html.speed import SpeedView, speed_of
 from reports.html.stability import StabilityView, stability_of
+from reports.html.trend import Trend, trends_of
 from reports.html.trust import Fact, facts
 from reports.ladder import NAMES
 from reports.results import CaseRecord, Results, Row
@@ -120,6 +121,7 @@ class CaseView:
     part_meanings: dict[str, str]
     cause_maps: list[Picture]
     rows: list[RowView]
+    trends: list[Trend]
     notes: list[str]
     missing: list[str]
 
@@ -147,6 +149,7 @@ class Page:
     changed: ChangedView | None
     finder: Finder
     cases: list[CaseView]
+    forgotten: str
     groups: tuple[tuple[str, tuple[columns.Column, ...]], ...]
     kinds: dict[str, Kind]
     provenance: str
@@ -192,7 +195,10 @@ def page_of(results: Results, folder: Path) -> Page:
     order = {case: i for i, case in reversed(list(enumerate(r.case for r in ranked)))}
     records = sorted(results.cases, key=lambda c: order.get(c.id, len(ranked)))
     # Frames are dropped case by case: those of a whole suite may not fit into memory.
-    views = [_case(results, CaseFrames(c, folder, _of(ranked, c))) for c in records]
+    trends, forgotten = trends_of(folder, results.suite)
+    views = [
+        _case(results, CaseFrames(c, folder, _of(ranked, c)), trends.get(c.id, [])) for c in records
+    ]
     place = next((c for c in records if worst and c.id == worst.case), None)
     return Page(
         results=results,
@@ -214,6 +220,7 @@ def page_of(results: Results, folder: Path) -> Page:
         changed=changed_of(results),
         finder=finder_of(results.rows),
         cases=views,
+        forgotten=forgotten,
         groups=columns.GROUPS,
         kinds=KINDS,
         provenance=json.dumps(results.provenance, indent=2, ensure_ascii=False, default=str),
@@ -244,7 +251,7 @@ def _close_ups(place: CaseRecord | None, folder: Path, ranked: list[Row]) -> lis
     return close_ups(CaseFrames(place, folder, _of(ranked, place)), ranked[0])
 
 
-def _case(results: Results, frames: CaseFrames) -> CaseView:
+def _case(results: Results, frames: CaseFrames, trends: list[Trend]) -> CaseView:
     record, rows = frames.record, frames.rows
     layers = case_layers(frames)
     ladders = [found for found in results.ladders if found.case == record.id]
@@ -276,6 +283,7 @@ def _case(results: Results, frames: CaseFrames) -> CaseView:
         part_meanings=causes.part_meanings(shown),
         cause_maps=cause_maps(frames, ladders),
         rows=[_row(r, results.rows, note) for r, note in zip(rows, own, strict=True)],
+        trends=trends,
         notes=shared,
         missing=[
             f"{m.object}, {m.technique} vs {m.truth}"

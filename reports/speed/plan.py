@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import tomli_w
+import tomlkit
 
 from reports.speed.points import Bench, Point, case_digest
 from scenes.environment import FORMATS
@@ -146,7 +146,7 @@ def text(plan: Suite, picked: dict[str, Point], goal: Goal, command: str) -> str
     """The plan as TOML, headed by comments: how it was made and what was measured."""
     told = [command, *(f"{case}: {goal.told(point)}" for case, point in picked.items())]
     fields = plan.model_dump(mode="json", exclude_defaults=True)
-    return "".join(f"# {' '.join(t.split())}\n" for t in told) + "\n" + tomli_w.dumps(fields)
+    return "".join(f"# {' '.join(t.split())}\n" for t in told) + "\n" + tomlkit.dumps(fields)
 
 
 def _goal(goal: Goal) -> str:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-import tomli_w
+import tomlkit
 
 from scenes.draw.cameras import ENOUGH, draw_camera
 from scenes.draw.dice import dealt, stream, within
@@ -50,7 +50,7 @@ def draw_suite(
     )
     again = f"# Made by `--suite {named} --draw {seed} --count {count}`, which writes it anew.\n\n"
     path = folder / "suite.toml"
-    write_text(path, again + tomli_w.dumps(fields | {"run": runs}))
+    write_text(path, again + tomlkit.dumps(fields | {"run": runs}))
     return path
 
 
@@ -102,12 +102,12 @@ def _case(
         word, fields = draw_material(rng, exact) if place < len(bodies) else draw_paint(rng)
         bare |= fields["metallic"] > 0 and not isinstance(fields["metal"], str)
         entry["material"] = f"{entry['name']}_{word}.toml"
-        write_text(home / entry["material"], tomli_w.dumps(fields))
+        write_text(home / entry["material"], tomlkit.dumps(fields))
     scene = f"drawn{seed}-{number}"
     camera = {"origin": shot.origin, "target": shot.target, "fov": shot.fov}
     told = f"{', '.join(o['name'] for o in objects)}, lit by {light.replace('_', ' ')}"
     fields = {"description": told, "resolution": shot.size, "camera": camera, "object": objects}
-    write_text(home / f"{scene}.toml", tomli_w.dumps(fields))
+    write_text(home / f"{scene}.toml", tomlkit.dumps(fields))
     run = {
         "scene": f"{number}/{scene}.toml",
         "environments": [f"{number}/{light}.exr"],

@@ -5,7 +5,7 @@ import random
 import re
 from typing import Any
 
-import tomli_w
+import tomlkit
 
 # Written as they stand, where no value of Python would give them.
 RAW = {
@@ -49,7 +49,7 @@ def mutated(text: str, form: str, rng: random.Random) -> tuple[bytes, str]:
 
 
 def _written(tree: Any, form: str) -> str:
-    return tomli_w.dumps(_without_null(tree)) if form == "toml" else json.dumps(tree, indent=1)
+    return tomlkit.dumps(_without_null(tree)) if form == "toml" else json.dumps(tree, indent=1)
 
 
 def _without_null(tree: Any) -> Any:

@@ -24,7 +24,7 @@ COARSE = 0.01  # of the texels and triangles: what is drawn stays as it is
 BASE, _ = load_suite("default")
 # Of seed 1's first two cases, decoded: packages may compress files anew. Whoever changes what a
 # seed gives changes this too, and says so.
-DIGEST = "33c48e045c9ac883fdaa47151a4ae091bcfd3359c98b79da4530edf69b1eb6a8"
+DIGEST = "70d48342cd21e6379b7346ecc2de9fc369d10134d17088f985891101f25c81e2"
 
 
 def drawn(folder, seed, count=1, base=BASE):
