@@ -1,0 +1,1 @@
+"""What is wrong with an outside renderer, in words."""

@@ -1,0 +1,34 @@
+"""A diagnosis in words."""
+
+from rich.console import Console
+
+from reports.doctor.diagnosis import Diagnosis
+from reports.doctor.scenes import CASES
+
+
+def sentences(found: Diagnosis) -> list[str]:
+    """What is wrong, one sentence each, the most important first."""
+    told = [f"doctor.{name}: {why}" for name, why in found.lost.items()]
+    for mistake in found.found:
+        told.append(f"it looks as if {mistake.words}; {mistake.remedy}")
+    if found.sound:
+        told.append("nothing wrong: light, view, normals and materials are as they should be")
+    elif found.after and max(found.after.values()) > 1:
+        name = max(found.after, key=lambda n: found.after[n])
+        rest = "what is left" if found.found else "what is wrong"
+        told.append(
+            f"{rest} is none of the mistakes known here; most in doctor.{name}: {CASES[name][0]}"
+        )
+    return told
+
+
+def print_diagnosis(found: Diagnosis, console: Console) -> None:
+    """The sentences, and how far the pictures are off without and with what was found."""
+    for line in sentences(found):
+        console.print(line, soft_wrap=True, markup=False)
+    if found.after:
+        each = (f"{n} {found.before[n]:.2g} to {found.after[n]:.2g}" for n in found.after)
+        told = (
+            "how far off, without and with that explained (1 is what honest renderers differ by): "
+        )
+        console.print(told + ", ".join(each), style="dim", soft_wrap=True)
