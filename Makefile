@@ -14,7 +14,7 @@ RUN := --suite '$(SUITE)' --out '$(OUT)' $(if $(FILTER),--filter '$(FILTER)') $(
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help compare gate report references bench attack limits stability efficiency calibrate crosscheck test test-long lint clean FORCE
+.PHONY: help compare gate report view references bench attack limits stability efficiency calibrate crosscheck test test-long lint clean FORCE
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-11s %s\n", $$1, $$2 }' Makefile
@@ -42,6 +42,9 @@ bench: .venv/.stamp ## speed against error: every technique beside path tracing,
 
 stability: .venv/.stamp ## the shaders on every hard input, against double precision and Mitsuba
 	@$(BIN)/shadeproof stability --out '$(OUT)' $(ARGS)
+
+view: .venv/.stamp ## a live window: orbit, change material, light, weight, technique
+	@$(BIN)/shadeproof view --suite '$(SUITE)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
 attack: .venv/.stamp ## inject shader bugs into copies of the renderer: does the gate see them?
 	@$(BIN)/shadeproof attack $(if $(filter file,$(origin SUITE)),,--suite '$(SUITE)') \

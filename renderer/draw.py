@@ -31,6 +31,23 @@ RAY_OFFSET = 2e-5  # of the scene's size: how far rays start from their triangle
 TIMING_SECONDS = 0.4  # slow techniques are timed over fewer frames
 
 
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """What light does in a case, wherever one looks from.
+
+    Attributes:
+        frame: uniforms of every pass.
+        maps: of the environment, its materials, its geometry and the light there.
+        seconds: that the tables of materials and the light between surfaces took.
+    """
+
+    shading: Shading
+    geometry: Placed | None
+    frame: dict[str, Any]
+    maps: Maps
+    seconds: float
+
+
 @dataclass(frozen=True)
 class Renderer:
     """The GLSL renderer with one technique; `render` meets the protocol of all renderers."""
@@ -80,50 +97,63 @@ class Renderer:
         seconds = median(times) if times else preparation
         return Frame(np.ascontiguousarray(rgb), object_ids(case, part), seconds, provenance)
 
-    def prepare(self, case: Case, maps: Maps, part: Rectangle | None = None) -> Prepared:
-        """Compile (or find) the shaders, gather the uniforms and make the target."""
-        camera, turn = view(case), case.environment.rotation / 360
-        geometry = self._geometry(case)
+    def prepare(
+        self, case: Case, maps: Maps, part: Rectangle | None = None, lit: Lit | None = None
+    ) -> Prepared:
+        """Compile (or find) the shaders, gather the uniforms and make the target.
+
+        Args:
+            lit: of a case that differs in its camera and size alone; made anew without.
+        """
+        lit = lit or self.light(case, maps)
+        camera, geometry = view(case), lit.geometry
         scale = self.technique.supersample
         size = (case.width * scale, case.height * scale)
         part = tuple(scale * n for n in part or (0, 0, case.width, case.height))
-        frame = {
+        frame = lit.frame | {
             "forward": camera.forward,
             "right": camera.right,
             "up": camera.up,
-            "environment_turn": turn,
             "picture_corner": part[:2],
             "picture_size": size,
         }
-        if "lights_map" in self.technique.reads:
-            frame |= light_uniforms(maps["lights_map"], turn)
         how = self.technique
         if how.grid > 1:
             grid = grid_of(case.objects, camera, size, how.grid, how.msaa)
             how = replace(how, grid=grid)
-        shading = Shading(how, case, lit="light_count" in frame)
-        maps = maps | shading.material_maps
-        precomputation = shading.seconds
+        shading = replace(lit.shading, technique=how, case=case)
         if geometry:
-            maps = maps | geometry.maps
             frame["eye"] = camera.eye - geometry.middle
-        if self.technique.occlusion:
-            frame["ray_offset"] = RAY_OFFSET * geometry.size
-            if self.technique.interreflection:
-                finely = [how.looks_finely(plain(o)) for o in case.objects]
-                made = exchange(geometry, frame, maps, shading.any_material, finely)
-            else:
-                made = received(geometry, frame, maps, shading.any_material)
-            maps, precomputation = maps | made.maps, precomputation + made.seconds
         draws = [
-            self._draw(obj, shading, camera, size, part, frame, maps, geometry)
+            self._draw(obj, shading, camera, size, part, frame, lit.maps, geometry)
             for obj in case.objects
         ]
         around = covered(case.objects, camera, size)
         target = make_target(size, how.msaa, around, part, bool(geometry), how.grid)
         background = program("fullscreen.vert", "background.frag")
         rays = frame | {"pixel_area": _pixel_area(camera, case)}
-        return Prepared(draws, background, rays, maps, target, precomputation)
+        return Prepared(draws, background, rays, lit.maps, target, lit.seconds)
+
+    def light(self, case: Case, maps: Maps) -> Lit:
+        """What light does in a case, wherever one looks from: received, and exchanged."""
+        how, turn = self.technique, case.environment.rotation / 360
+        geometry = self._geometry(case)
+        frame: dict[str, Any] = {"environment_turn": turn}
+        if "lights_map" in how.reads:
+            frame |= light_uniforms(maps["lights_map"], turn)
+        shading = Shading(how, case, lit="light_count" in frame)
+        maps, seconds = maps | shading.material_maps, shading.seconds
+        if geometry:
+            maps = maps | geometry.maps
+        if how.occlusion:
+            frame["ray_offset"] = RAY_OFFSET * geometry.size
+            if how.interreflection:
+                finely = [how.looks_finely(plain(o)) for o in case.objects]
+                made = exchange(geometry, frame, maps, shading.any_material, finely)
+            else:
+                made = received(geometry, frame, maps, shading.any_material)
+            maps, seconds = maps | made.maps, seconds + made.seconds
+        return Lit(shading, geometry, frame, maps, seconds)
 
     def _geometry(self, case: Case) -> Placed | None:
         """The scene's triangles, baked, or as they are where a material varies over them."""

@@ -294,13 +294,16 @@ def _cases(suite: Suite, run: Run, path: Path, field: str) -> list[Case]:
 
 
 def _framed(scene: Scene, width: int, height: int) -> Camera:
-    """The scene's camera, widened so that a picture of another shape cuts nothing off."""
-    shape = scene.resolution[0] / scene.resolution[1]
-    widening = max(shape / (width / height), 1.0)
+    return widened(scene.camera, scene.resolution[0] / scene.resolution[1], width / height)
+
+
+def widened(camera: Camera, shape: float, wanted: float) -> Camera:
+    """A camera for a picture of another shape (width over height) that cuts nothing off."""
+    widening = max(shape / wanted, 1.0)
     if widening == 1.0:
-        return scene.camera
-    tangent = math.tan(math.radians(scene.camera.fov) / 2) * widening
-    return scene.camera.model_copy(update={"fov": 2 * math.degrees(math.atan(tangent))})
+        return camera
+    tangent = math.tan(math.radians(camera.fov) / 2) * widening
+    return camera.model_copy(update={"fov": 2 * math.degrees(math.atan(tangent))})
 
 
 def _object(
@@ -345,6 +348,14 @@ def _object(
         mesh = str(find(mesh, shelf, MESH_FORMATS, home, scene_path, at, PRIMITIVES))
     fields = entry.model_dump(exclude={"material", "mesh", "fixed"})
     return parse(Object, {**fields, "mesh": mesh, "material": material}, scene_path)
+
+
+def shelf_materials() -> list[Material]:
+    """The materials that come with the project, by name."""
+    return [
+        parse(Material, {**_with_maps(read_toml(path), path, ""), "name": path.stem}, path)
+        for path in sorted((HERE / "materials").glob("*.toml"))
+    ]
 
 
 def _with_maps(table: dict[str, Any], path: Path, at: str) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 # A module of commands counts once it is imported; the help lists them in this order.
 # ruff: noqa: F401, I001
 from reports.cli import judging, changing, references, measuring, planning, limits, attacking
-from reports.cli import stability, approving, doctor
+from reports.cli import stability, approving, doctor, exporting, viewing
 from reports.cli.main import main
 
 __all__ = ["main"]

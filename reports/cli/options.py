@@ -49,6 +49,10 @@ DrawOption = Annotated[
 CountOption = Annotated[
     int | None, typer.Option(min=1, max=MOST_CASES, help="How many to --draw; 8 if not given.")
 ]
+TruthOption = Annotated[
+    Path | None,
+    typer.Option(help="Your own references: a folder with <case>/*.exr, a batch each."),
+]
 VerdictOption = Annotated[
     bool,
     typer.Option("--verdict-only", help="No report, no times, and no figures but those judged."),
@@ -58,7 +62,7 @@ JsonOption = Annotated[
 ]
 OUT, STORE = Path("reports/out"), Path("reports/references")
 EVERY = ("suite", "draw", "count", "out", "store", "filter", "candidate", "timeout")
-EVERY += ("frozen", "cluster")
+EVERY += ("frozen", "cluster", "truth")
 
 
 def make_job(
@@ -72,6 +76,7 @@ def make_job(
     timeout: TimeoutOption = 600,
     frozen: FrozenOption = False,
     cluster: ClusterOption = None,
+    truth: TruthOption = None,
     verdict_only: VerdictOption = False,
     brief: bool = False,
 ):
@@ -90,7 +95,11 @@ def make_job(
     if draw is not None:
         suite = _drawn(suite, draw, count, out)
     command = shlex.join(["shadeproof", *sys.argv[1:]])
-    return Job(suite, out, store, filter, outside, command, frozen, cluster, brief, verdict_only)
+    if truth is not None and not truth.is_dir():
+        raise InputError("--truth", str(truth), "no such folder", "give one with <case>/*.exr")
+    return Job(
+        suite, out, store, filter, outside, command, frozen, cluster, brief, verdict_only, truth
+    )
 
 
 def _drawn(suite: str, seed: int, count: int | None, out: Path) -> str:

@@ -1,5 +1,6 @@
 """One case: its candidates, reference by reference, then the causes of error."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,9 @@ from reports.ladder import Drawn, ladder
 from reports.progress import Reporter
 from reports.results import CaseRecord, Ladder, Row
 from reports.rows import Picture, judged_rows, measured_further
-from reports.run.job import Job, Source, sources
+from reports.run.job import Job, Source
 from reports.run.makers import Makers
+from reports.run.own_truths import own_batches
 from reports.run.shots import Shot
 from scenes.errors import InputError
 from scenes.frame import Frame, save_frame
@@ -37,7 +39,7 @@ def run_entry(
     exposures: dict[str, float] = {}
     truths: dict[str, list[Frame]] = {}
     views: dict[str, Truth] = {}
-    for source in sources(entry):
+    for source in job.sources(entry):
         report.step(f"{case.id}: compare with {', '.join(source.truths)}")
         judged: list[Row] = []
 
@@ -56,19 +58,11 @@ def run_entry(
             named = " and ".join(source.truths)
             report.detail(f"{case.id}: trace {named}, batch {done} of {wanted}")
 
-        batches = grow(
-            source.case,
-            source.kind,
-            job.suite.reference,
-            enough,
-            Store(job.store),
-            traced,
-            job.executor,
-            job.frozen,
-        )
+        batches = _batches(job, source, enough, traced)
         if source.judged and (not judged or judged[0].reference_batches != len(batches)):
             enough(batches)  # at the cap `grow` does not ask
-        makers.add(batches)
+        if not job.truth:
+            makers.add(batches)
         rows += judged
         for name, own in source.truths.items():
             truths[name] = [truth_of(b, own) for b in batches]
@@ -104,6 +98,20 @@ def run_entry(
     return record, rows, ladders
 
 
+def _batches(
+    job: Job,
+    source: Source,
+    enough: Callable[[list[Frame]], bool],
+    traced: Callable[[int, int], None],
+) -> list[Frame]:
+    """The batches of a reference: path-traced until there are enough, or one's own."""
+    if job.truth:
+        (name,) = source.truths
+        return own_batches(job.truth, source.case, name)
+    store, sampling = Store(job.store), job.suite.reference
+    return grow(source.case, source.kind, sampling, enough, store, traced, job.executor, job.frozen)
+
+
 def _mean(batches: list[Frame]) -> Frame:
     """All batches as one frame, with the ids of the first."""
     mean = np.mean([b.rgb for b in batches], axis=0, dtype=np.float64)
@@ -133,7 +141,12 @@ def _ladders(
     truths: dict[str, list[Frame]],
     rows: list[Row],
 ) -> list[Ladder]:
-    """Error by cause for every object and technique that has rows, where there are the truths."""
+    """Error by cause for every object and technique that has rows, where there are the truths.
+
+    Not of one's own references, which do not tell diffuse light apart.
+    """
+    if job.truth:
+        return []
     made, compared = [], {r.technique for r in rows if r.picture in frames}
     for label, shots in job.shots(entry, truths).items():
         if label not in compared:

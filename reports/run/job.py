@@ -17,6 +17,7 @@ from reports import gate
 from reports.candidates import Candidate
 from reports.ladder import MODEL_STEPS
 from reports.results import Missing
+from reports.run.own_truths import restricted
 from reports.run.shots import Shot, drawn_model, shots
 from scenes.environment import load_environment
 from scenes.errors import InputError
@@ -36,6 +37,7 @@ class Job:
         cluster: the Dask scheduler whose workers trace their batches; this process if None.
         brief: of what meets its budget, measure no more than the verdict needs.
         verdict_only: of nothing measure more than that, and time nothing.
+        truth: a folder of one's own references, which stand for all others.
     """
 
     suite_name: str
@@ -48,6 +50,7 @@ class Job:
     cluster: str | None = None
     brief: bool = False
     verdict_only: bool = False
+    truth: Path | None = None
     suite: Suite = field(init=False)
     path: Path = field(init=False)
     entries: list[Entry] = field(init=False)
@@ -86,6 +89,9 @@ class Job:
                 placement(obj)
                 _check_physical(entry, obj.material, path)
         gate.check_rules(suite.budget, whole, self.drawn_model, OUTSIDE, path)
+        if self.truth:
+            entries = [restricted(e, self.truth) for e in entries]
+            whole = entries
         object.__setattr__(self, "suite", suite)
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "entries", entries)
@@ -114,7 +120,13 @@ class Job:
     @property
     def wanted(self) -> list[tuple[Case, Kind, Sampling]]:
         """Every reference that it needs."""
+        if self.truth:
+            return []
         return [(s.case, s.kind, self.suite.reference) for e in self.entries for s in sources(e)]
+
+    def sources(self, entry: Entry) -> "list[Source]":
+        """Every reference of an entry, traced here or one's own."""
+        return own_sources(entry) if self.truth else sources(entry)
 
     def shots(self, entry: Entry, truths: Iterable[str]) -> dict[str, dict[str, Shot]]:
         """What is drawn of an entry's case to stand against some truths: by technique and truth."""
@@ -196,6 +208,12 @@ def sources(entry: Entry) -> list[Source]:
         for name, model in zip(MODEL_STEPS[:2], model_steps(case.model)[:2], strict=True):
             found.append(Source(_under(case, model), "model", {name: "global"}, judged=False))
     return found
+
+
+def own_sources(entry: Entry) -> list[Source]:
+    """One's own references of an entry, a truth each; `global`, which sets the exposure, first."""
+    ordered = sorted(entry.truths, key=lambda truth: truth != "global")
+    return [Source(entry.case, "model", {truth: truth}) for truth in ordered]
 
 
 def _under(case: Case, model: Model) -> Case:

@@ -11,7 +11,7 @@ from reports.progress import reporting
 from reports.results import CaseRecord, Ladder, Results, Row
 from reports.run.case import run_entry
 from reports.run.conformance import conformance
-from reports.run.job import Job, make_folder, sources
+from reports.run.job import Job, make_folder
 from reports.run.makers import Makers
 from reports.run.provenance import provenance
 from reports.run.shipped import need_stored
@@ -42,7 +42,7 @@ def run(job: Job) -> Results:
     cases: list[CaseRecord] = []
     ladders: list[Ladder] = []
     checks, makers = parity.Checks(judged=not job.outside), Makers()
-    steps = sum(len(job.pictures(e)) + len(sources(e)) for e in job.entries)
+    steps = sum(len(job.pictures(e)) + len(job.sources(e)) for e in job.entries)
     with reporting(steps) as report:
         for entry in job.entries:
             record, made, causes = run_entry(job, entry, report, checks, makers)

@@ -1,0 +1,29 @@
+"""The command that opens a live window on a suite."""
+
+from reports.cli.app import app, console
+from reports.cli.options import takes_job
+from scenes.errors import InputError
+
+
+@app.command()
+@takes_job("suite", "filter", "store")
+def view(job) -> None:
+    """Look around in a suite's cases, live: orbit, change what is drawn, toggle the reference."""
+    try:
+        from reports.run.window.show import KEYS, OTHERS, show
+    except ImportError as error:
+        remedy = "pip install 'shadeproof[window]'"
+        raise InputError("view", "", f"needs a package: {error}", remedy) from error
+    from reports.run.window.state import State
+
+    for key, _, told in KEYS:
+        console.print(f"{key:12} {told}; with Shift the one before", markup=False)
+    for key, told in OTHERS:
+        console.print(f"{key:12} {told}", markup=False)
+    try:
+        show(State.of(job))
+    except Exception as error:
+        if "display" not in str(error).lower():
+            raise
+        remedy = "run it in a desktop session, or under xvfb-run"
+        raise InputError("view", "DISPLAY", str(error), remedy) from error

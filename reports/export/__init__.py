@@ -1,0 +1,1 @@
+"""A case in files that other programs read."""

@@ -1,0 +1,54 @@
+"""References from outside: one's own batches, as EXRs in a folder."""
+
+from pathlib import Path
+
+from reference.settings import TRUTHS
+from renderer.objects import object_ids
+from scenes.environment import read_pixels
+from scenes.errors import InputError
+from scenes.frame import Frame
+from scenes.schema import Case
+from scenes.suite import Entry
+
+OWN = "global"  # the truth that EXRs in a case's folder itself stand for
+NAMES = tuple(dict.fromkeys((*TRUTHS["model"], "physical")))
+
+
+def restricted(entry: Entry, folder: Path) -> Entry:
+    """An entry with those of its truths that a folder holds.
+
+    Raises:
+        InputError: it holds none of them.
+    """
+    there = tuple(t for t in entry.truths if _files(folder, entry.case, t))
+    if not there:
+        problem = f"holds no batch of {', '.join(entry.truths)} of {entry.case.id}"
+        remedy = f"put EXRs into {entry.case.id} (for `{OWN}`), or {entry.case.id}/<truth>"
+        raise InputError("--truth", str(folder), problem, remedy)
+    return entry.model_copy(update={"truths": there, "split_model": False})
+
+
+def own_batches(folder: Path, case: Case, truth: str) -> list[Frame]:
+    """The batches of a truth of a case: each EXR is one, independent of the others.
+
+    What object a pixel shows our own geometry tells, since the pictures do not.
+
+    Raises:
+        InputError: a file is no picture of the case's size, or a value in it is no light.
+    """
+    ids = object_ids(case)
+    batches = []
+    for path in _files(folder, case, truth):
+        rgb = read_pixels(path, "reference", (case.width, case.height))
+        if not (rgb >= 0).all():
+            remedy = "write linear radiance"
+            raise InputError(path, "reference", "holds NaN or light below zero", remedy)
+        provenance = {"samples": 0, "truth": truth, "file": str(path)}
+        batches.append(Frame(rgb, ids, 0.0, provenance))
+    return batches
+
+
+def _files(folder: Path, case: Case, truth: str) -> list[Path]:
+    own = folder / case.id
+    found = sorted((own / truth).glob("*.exr"))
+    return found or (sorted(own.glob("*.exr")) if truth == OWN else [])

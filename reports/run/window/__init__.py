@@ -1,0 +1,1 @@
+"""A live window on a suite: look around, and change what is drawn."""

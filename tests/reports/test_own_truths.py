@@ -1,0 +1,84 @@
+"""One's own references: a folder of batches in place of our path tracer's."""
+
+import numpy as np
+import pytest
+
+from reports.results import load_results
+from scenes.frame import Frame, load_frame, save_frame
+
+CASE = "contact.studio"
+
+
+@pytest.fixture
+def own(tiny, tmp_path):
+    """Eight batches of the case as another path tracer would leave them, and its picture."""
+    truth = load_frame(tiny / f"truths/{CASE}/global.a.exr").rgb
+    rng = np.random.default_rng(1)
+    for number in range(8):
+        noisy = truth * (1 + rng.normal(0, 0.05, truth.shape))
+        save_frame(
+            Frame(np.maximum(noisy, 0).astype(np.float32)), tmp_path / f"own/{CASE}/{number}.exr"
+        )
+    save_frame(Frame(truth * np.float32(1.1)), tmp_path / f"mine/{CASE}.exr")
+    return tmp_path
+
+
+def compared(shadeproof, own, *words):
+    code, out, err = shadeproof(
+        "compare", "--suite", "tiny", "--truth", own / "own", "--out", own / "out", *words
+    )
+    assert code == 0, out + err
+    return load_results(own / "out/results.json")
+
+
+def test_a_folder_of_pictures_is_judged_by_a_folder_of_references(shadeproof, own):
+    found = compared(shadeproof, own, "--candidate", own / "mine", "--store", own / "none")
+    assert {r.truth for r in found.rows} == {"global"}
+    for row in found.rows:
+        assert row.energy_error == pytest.approx(0.1, abs=0.01)
+        assert row.reference_batches == 8 and np.isfinite(row.energy_ci95).all()
+    assert not list((own / "none").glob("**/*.exr"))  # nothing was traced
+    assert (own / "out/report.html").is_file()
+
+
+def test_our_own_techniques_can_be_held_against_it_too(shadeproof, own):
+    found = compared(shadeproof, own)
+    assert {r.technique for r in found.rows} == {"paper", "sampled"} and not found.ladders
+
+
+def test_other_truths_stand_in_folders_of_their_own(shadeproof, own):
+    for path in sorted((own / f"own/{CASE}").glob("*.exr")):
+        save_frame(load_frame(path), own / f"own/{CASE}/direct/{path.name}")
+    found = compared(shadeproof, own, "--candidate", own / "mine")
+    assert {r.truth for r in found.rows} == {"global", "direct"}
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda folder: [p.unlink() for p in folder.glob("*.exr")], "holds no batch of"),
+        (lambda folder: save_frame(Frame(np.ones((4, 4, 3), np.float32)), folder / "0.exr"), "4x4"),
+        (lambda folder: (folder / "0.exr").write_text("no"), "0.exr"),
+    ],
+)
+def test_what_is_no_reference_is_refused_in_one_line(shadeproof, own, spoil, words):
+    spoil(own / f"own/{CASE}")
+    code, _, err = shadeproof(
+        "compare", "--suite", "tiny", "--truth", own / "own", "--candidate", own / "mine",
+        "--out", own / "out",
+    )  # fmt: skip
+    assert code == 2 and words in err and "Traceback" not in err
+
+
+def test_light_below_zero_is_no_reference(shadeproof, own):
+    frame = load_frame(own / f"own/{CASE}/0.exr")
+    save_frame(Frame(-frame.rgb), own / f"own/{CASE}/0.exr")
+    code, _, err = shadeproof(
+        "compare", "--suite", "tiny", "--truth", own / "own", "--out", own / "out"
+    )
+    assert code == 2 and "light below zero" in err
+
+
+def test_a_folder_that_is_not_there_is_refused(shadeproof, tmp_path):
+    code, _, err = shadeproof("compare", "--suite", "tiny", "--truth", tmp_path / "no")
+    assert code == 2 and "no such folder" in err
