@@ -48,9 +48,9 @@ def _scene(vtk, case: Case, light: np.ndarray):
     renderer.AutomaticLightCreationOff()
     renderer.UseImageBasedLightingOn()
     renderer.SetEnvironmentTexture(_texture(vtk, light))
-    # The map's pole is z, and its first column lies towards +y.
+    # The map's pole is z; what VTK takes for the right lies towards -y then.
     renderer.SetEnvironmentUp(0, 0, 1)
-    renderer.SetEnvironmentRight(1, 0, 0)
+    renderer.SetEnvironmentRight(0, -1, 0)
     for obj in case.objects:
         renderer.AddActor(_actor(vtk, obj))
     camera = renderer.GetActiveCamera()
