@@ -1,6 +1,6 @@
 """Whole pictures of hard cases by every technique, through the renderer that users run."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -43,9 +43,9 @@ def hard_frames(names: Collection[str] = ()) -> list[HardCase]:
     return found
 
 
-def measure(row: Hard, folder: Path) -> HardCase:
+def measure(row: Hard, folder: Path, techniques: Sequence[str] = TECHNIQUES) -> HardCase:
     """Draw one hard case with every technique and judge it; its files go into the folder."""
-    judged = _refusal(row, folder) if row.refused else _pictures(row, folder)
+    judged = _refusal(row, folder) if row.refused else _pictures(row, folder, techniques)
     return HardCase(
         name=row.name,
         kind=row.kind,
@@ -68,10 +68,10 @@ def _refusal(row: Hard, folder: Path) -> Judged:
     return {"refused in one line": (0.0, False)}
 
 
-def _pictures(row: Hard, folder: Path) -> Judged:
+def _pictures(row: Hard, folder: Path, techniques: Sequence[str]) -> Judged:
     case = row.case(folder)
     frames = {
-        name: _draw(name, case) for name in dict.fromkeys((*TECHNIQUES, *row.within, *row.energy))
+        name: _draw(name, case) for name in dict.fromkeys((*techniques, *row.within, *row.energy))
     }
     unfit = sum(int((~(f.rgb >= 0) | np.isinf(f.rgb)).any(axis=2).sum()) for f in frames.values())
     found: Judged = {"pixels NaN, Inf or negative": (unfit, unfit == 0)}
@@ -86,7 +86,7 @@ def _pictures(row: Hard, folder: Path) -> Judged:
         for name, limit in row.within.items():
             found |= _compared(row, folder, frames[name], partial(_draw, name), name, limit)
     if row.silhouette is not None:
-        found |= _outline(row, case, frames[TECHNIQUES[0]])
+        found |= _outline(row, case, frames[techniques[0]])
     for name, limit in row.energy.items():
         found |= _energy(case, frames[name], name, limit)
     return found

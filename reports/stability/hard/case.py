@@ -16,7 +16,8 @@ Draw = Callable[..., Frame]  # (case, part=None): with one technique
 Expect = Callable[[Draw, Path], np.ndarray]  # the picture to hold against, (H, W, 3)
 
 # Every case is drawn with all of them, in the words of `renderer.features.technique`.
-TECHNIQUES = ("paper", "paper-noaa", "sampled", "sampled@1", "split", "filtered")
+QUICK = ("paper", "paper-noaa", "sampled", "sampled@1", "split", "filtered")
+TECHNIQUES = (*QUICK, "best")  # which bakes every scene
 FLOAT = 1e-5  # a picture's rounding errors; its coordinates have 24 bits, and lobes magnify them
 DENSE = "sampled@4096"  # where its noise would hide what is looked for
 SAME = {"paper": FLOAT, "paper-noaa": FLOAT, "sampled": FLOAT, "sampled@1": FLOAT}
