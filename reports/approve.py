@@ -15,6 +15,7 @@ from scenes.errors import InputError
 from scenes.suite import Budget
 
 SPARE = 0.1  # of a figure, beside its interval
+LEAST_LACK = {"silhouette": 5e-3}  # another rasteriser moves some pixels of an edge
 DIGITS = 2  # of an error, and of what SSIM lacks
 
 
@@ -64,17 +65,24 @@ def row_limit(row: Row, metric: str, spare: float) -> float:
     """The budget that a row's figure would keep with something to spare, rounded to be kept."""
     low, high = bounds(row, metric, row.confidence)
     if metric in LOWER:
-        lacks = (1 - low) * (1 + spare)
+        lacks = max((1 - low) * (1 + spare), LEAST_LACK.get(metric, 0.0))
         return round(max(1 - _rounded_up(lacks), 0), 6)
     return _rounded_up(max(abs(low), abs(high)) * (1 + spare))
 
 
-def check(results: Results, path: Path) -> None:
+def check(results: Results, rules: tuple[Budget, ...], path: Path) -> None:
     """Refuse results that budgets cannot be taken from.
 
+    Args:
+        rules: of the suite as it is now.
+
     Raises:
-        InputError: a part of the suite was not measured, or not measurable.
+        InputError: a part of the suite was not measured, or not measurable, or its budgets were
+            others then.
     """
+    if tuple(results.budgets) != rules:
+        problem = "are not those of the suite any more"
+        raise InputError(path, "budgets", problem, "run the suite again")
     if results.skipped or results.missing:
         problem = "holds only a part of its suite"
         raise InputError(path, "skipped", problem, "run the whole suite, without --filter")
@@ -82,9 +90,10 @@ def check(results: Results, path: Path) -> None:
     if not judged:
         raise InputError(path, "rows", "no row has a budget", "add a [[budget]] to the suite")
     for row in judged:
-        hidden = [m for m in row.budget if math.isnan(sum(bounds(row, m, row.confidence)))]
+        hidden = [m for m in row.budget if not math.isfinite(sum(bounds(row, m, row.confidence)))]
         if row.problem or hidden:
-            what = row.problem or f"{hidden[0]} of {row.object} in {row.case} has no interval"
+            thing = f"{row.object} in {row.case}"
+            what = row.problem or f"{hidden[0]} of {thing} is infinite or has no interval"
             raise InputError(path, "rows", what, "mend that, or give more samples")
 
 
@@ -110,7 +119,7 @@ def difference(before: str, after: str, name: str) -> str:
 
 def _joined(rule: Mapping[str, Any], reason: str) -> str:
     known = str(rule.get("reason", ""))
-    return known if reason in known else "; ".join(filter(None, (known, reason)))
+    return known if reason in known.split("; ") else "; ".join(filter(None, (known, reason)))
 
 
 def _rule_of(row: Row, rules: tuple[Budget, ...], metric: str) -> int | None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from reports.change.ranking import by_row, verdict_of
+from reports.change.ranking import NEW_ROW, by_row, verdict_of
 from reports.noise import CONFIDENCE, Estimate, sidak
 from reports.results import Changes, Missing, Results, Row, Verdict
 from scenes.errors import InputError
@@ -277,6 +277,10 @@ def _regressions(changed: Changes, skipped: Sequence[str]) -> Iterator[str]:
     lost = [i for i in changed.incomparable if i.lost and i.case not in left_out]
     if lost:
         yield f"{len(lost)} rows of {changed.path} are gone, first {lost[0].case} {lost[0].object}"
+    other = [i for i in changed.incomparable if not i.lost and i.reason != NEW_ROW]
+    if other:
+        first = f"{other[0].case} {other[0].object}: {other[0].reason}"
+        yield f"{len(other)} rows could not be compared with {changed.path}, first {first}"
     if not rows:
         yield f"no row could be compared with {changed.path}"
 

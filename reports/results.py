@@ -198,10 +198,12 @@ class Beside(Record):
 class Change(Record):
     """How far one figure of a row moved since an earlier run.
 
-    `figure` is a field of Row. `change` is new less old with a 95 % interval over the object's
-    blocks, both pictures against the same reference where `paired`; else the difference of two
-    runs' figures, with the noise of both. `verdict` is `better` or `worse` where the whole interval
-    is further than `tolerance`, `unchanged` where all of it is nearer, else `unclear`.
+    `figure` is a field of Row. Where `paired`, `old` and `new` are of both pictures against one
+    reference; `change`, new less old without their signs, is then exact, and `low` to `high` a 95 %
+    interval over the object's blocks, which says how evenly it lies. Else they are the two runs'
+    figures, with the noise of both, and `reason` says why. `verdict` is `better` or `worse` where
+    the change, or unpaired the whole interval, is further than `tolerance`, `unchanged` where it is
+    nearer, else `unclear`.
     """
 
     case: str
@@ -216,6 +218,7 @@ class Change(Record):
     high: Figure
     tolerance: float
     paired: bool
+    reason: str = ""
     verdict: Literal["better", "worse", "unchanged", "unclear"]
 
 

@@ -136,9 +136,22 @@ def print_crops(crops: Sequence[Crop], out: Path, results: Results, console: Con
         row = crop.row
         told = f"{row.object} in {row.case}, {row.technique} against {row.truth}"
         console.print(f"  picture: {out / crop.path}: {told}", soft_wrap=True, markup=False)
-    case, suite = crops[0].row.case, results.suite_path
-    command = shlex.join(["shadeproof", "compare", "--suite", suite, "--filter", case])
+    command = again(results.command, crops[0].row.case, out / "again")
     console.print(f"  see it: .venv/bin/{command}", soft_wrap=True, markup=False)
+
+
+def again(command: str, case: str, out: Path) -> str:
+    """The command that compares one case as a run did, into a folder of its own."""
+    words, kept = shlex.split(command), ["shadeproof", "compare"]
+    given = iter(words[2:])
+    for word in given:
+        name, apart, _ = word.partition("=")
+        if name in ("--filter", "--out", "--regression"):
+            if not apart:
+                next(given, None)
+        elif name not in ("--absolute", "--json", "--verdict-only"):
+            kept.append(word)
+    return shlex.join([*kept, "--filter", case, "--out", str(out)])
 
 
 def skips(results: Results) -> list[str]:

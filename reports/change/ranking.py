@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from reports.results import Change, Changes
 
 Key = tuple[str, str, str, str]  # case, object, technique, truth
+NEW_ROW = "the old run does not have it"  # why there is no change, and no harm in that
 ORDER = ("worse", "better", "unclear", "unchanged")
 RISES = {"ssim": -1}  # figures that fall where a picture gets worse
 

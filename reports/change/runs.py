@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from reports.change.figures import TOLERANCES, Moved, moved
-from reports.change.ranking import RISES
+from reports.change.ranking import NEW_ROW, RISES
 from reports.frames import CaseFrames, PictureError
 from reports.metrics.subject import Subject
 from reports.results import Change, Changes, Incomparable, Results, Row
@@ -113,37 +113,46 @@ def _noise(halves: np.ndarray) -> float:
 def _changed(before: Row | None, after: Row, pictures: _Pictures) -> list[Change] | str:
     """The changes of a row, or why there are none."""
     if before is None:
-        return "the old run does not have it"
+        return NEW_ROW
     if before.problem or after.problem:
         return f"could not be measured: {after.problem or before.problem}"
     try:
-        found = moved(*pictures.pair(before, after))
+        old, new = pictures.pair(before, after)
+        mask = new.truth.mask
+        if np.array_equal(old.candidate[mask], new.candidate[mask]):
+            same = ((name, getattr(after, name)) for name in TOLERANCES)
+            found = [Moved(name, value, value, 0.0, 0.0, 0.0) for name, value in same]
+        else:
+            found = moved(old, new)
     except OtherSceneError as error:
         return str(error)
-    except PictureError:
-        return list(_from_rows(before, after))
-    return [_judged(before, after, change, paired=True) for change in found]
+    except PictureError as error:
+        return list(_from_rows(before, after, str(error)))
+    return [_judged(after, change, paired=True) for change in found]
 
 
-def _from_rows(before: Row, after: Row) -> Iterator[Change]:
+def _from_rows(before: Row, after: Row, reason: str) -> Iterator[Change]:
     """Changes of the figures that both runs wrote down, each with its own noise."""
     for name in TOLERANCES:
         old, new = getattr(before, name), getattr(after, name)
-        stem = "energy" if name == "energy_error" else name
-        halves = [
-            (high - low) / 2 for low, high in (getattr(r, f"{stem}_ci95") for r in (before, after))
-        ]
+        field = "energy_ci95" if name == "energy_error" else f"{name}_ci95"
+        bounds = [getattr(r, field) for r in (before, after)]
         change = abs(new) - abs(old)
-        reach = math.hypot(*halves)
+        # The same figures with the same noise are of the same reference.
+        same = (old, bounds[0]) == (new, bounds[1])
+        reach = 0.0 if same else math.hypot(*((high - low) / 2 for low, high in bounds))
         if math.isfinite(change):
-            yield _judged(before, after, Moved(name, change, change - reach, change + reach), False)
+            moved = Moved(name, old, new, change, change - reach, change + reach)
+            yield _judged(after, moved, paired=False, reason=reason)
 
 
-def _judged(before: Row, after: Row, moved: Moved, paired: bool) -> Change:
+def _judged(after: Row, moved: Moved, paired: bool, reason: str = "") -> Change:
+    """A change and its verdict: a paired one is exact, another has the noise of two runs."""
     tolerance, sign = TOLERANCES[moved.figure], RISES.get(moved.figure, 1)
-    low, high = sorted((sign * moved.low, sign * moved.high))
+    ends = (moved.change, moved.change) if paired else (moved.low, moved.high)
+    low, high = sorted(sign * end for end in ends)
     if math.isnan(low) or math.isnan(high):
-        verdict = "unchanged" if moved.change == 0 else "unclear"
+        verdict = "unclear"
     elif low > tolerance:
         verdict = "worse"
     elif high < -tolerance:
@@ -156,13 +165,14 @@ def _judged(before: Row, after: Row, moved: Moved, paired: bool) -> Change:
         technique=after.technique,
         truth=after.truth,
         figure=moved.figure,
-        old=getattr(before, moved.figure),
-        new=getattr(after, moved.figure),
+        old=moved.old,
+        new=moved.new,
         change=moved.change,
         low=moved.low,
         high=moved.high,
         tolerance=tolerance,
         paired=paired,
+        reason=reason,
         verdict=verdict,
     )
 

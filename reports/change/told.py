@@ -12,7 +12,7 @@ from reports.change.ranking import ORDER, by_row, harm, verdict_of
 from reports.results import Change, Changes
 
 STYLE = {"worse": "red", "better": "green", "unclear": "yellow", "unchanged": "dim"}
-HEADINGS = ("changed", "row", "figure", "before", "now", "change", "95 % of the object")
+HEADINGS = ("changed", "row", "figure", "before", "now", "change of size", "95 % over blocks")
 SHOWN = 20  # rows of a table
 NAMES = {"energy_local": "local energy", "energy_error": "energy", "ssim": "SSIM", "flip": "FLIP"}
 
@@ -35,7 +35,7 @@ def cells(change: Change) -> tuple[str, ...]:
     """The cells of one figure under HEADINGS, but for the first."""
     row = f"{change.case} {change.object}, {change.technique} against {change.truth}"
     told = [shown(change, v) for v in (change.old, change.new)]
-    noise = "" if change.paired else " (not paired)"
+    noise = "" if change.paired else f" (not paired: {change.reason})"
     return (
         row,
         NAMES[change.figure],

@@ -7,6 +7,7 @@ import typer
 
 from reports.cli.app import app, console
 from reports.cli.options import OUT
+from scenes.errors import InputError
 
 
 @app.command()
@@ -32,8 +33,12 @@ def approve(
     from scenes.suite import load_suite
 
     found = load_results(results)
-    check(found, results)
+    if not Path(found.suite_path).is_file():
+        problem = f"names a suite that is gone: {found.suite_path}"
+        raise InputError(results, "suite_path", problem, "run the suite again")
     suite, path = load_suite(found.suite_path)
+    check(found, suite.budget, results)
+    reason = reason.strip()
     proposed = proposals(found, suite.budget, spare)
     chosen = [p for p in proposed if reason or not p.looser]
     for p in proposed:

@@ -88,7 +88,7 @@ def _compare(
     from reports.change.since import load_earlier, since
     from reports.ci import annotate, write_junit
     from reports.crops import write_crops
-    from reports.history import remember
+    from reports.history import load_history, remember
     from reports.results import save_results
     from reports.run.suite import run
     from reports.terminal import print_crops, print_results
@@ -96,6 +96,7 @@ def _compare(
     # Read first: it may be what this run writes over.
     shipped = load_other(other, job.expected(job.entries)) if other else None
     earlier = load_earlier(against, job.out) if against else None
+    load_history(job.out)  # a damaged one is told before any work is done
     results = run(job)
     if earlier:
         results = since(results, job.out, earlier, against, judged)

@@ -23,7 +23,7 @@ def view(job) -> None:
     try:
         show(State.of(job))
     except Exception as error:
-        if "display" not in str(error).lower():
+        if "display" not in f"{type(error).__name__} {error}".lower():
             raise
         remedy = "run it in a desktop session, or under xvfb-run"
-        raise InputError("view", "DISPLAY", str(error), remedy) from error
+        raise InputError("view", "DISPLAY", "there is no display to open it on", remedy) from error

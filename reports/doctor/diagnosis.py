@@ -50,7 +50,7 @@ class Diagnosis:
     @property
     def explained(self) -> bool:
         """Whether what was found explains all that is off."""
-        return not self.lost and max(self.after.values()) <= 1
+        return not self.lost and max(self.after.values(), default=2.0) <= 1
 
 
 def diagnose(

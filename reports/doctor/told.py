@@ -9,8 +9,11 @@ from reports.doctor.scenes import CASES
 def sentences(found: Diagnosis) -> list[str]:
     """What is wrong, one sentence each, the most important first."""
     told = [f"doctor.{name}: {why}" for name, why in found.lost.items()]
+    if found.lost and not found.after:
+        told.append("no case could be looked at; `shadeproof doctor --cases FOLDER` writes them")
+    partly = "" if not found.after or max(found.after.values()) <= 1 else " in part"
     for mistake in found.found:
-        told.append(f"it looks as if {mistake.words}; {mistake.remedy}")
+        told.append(f"it looks{partly} as if {mistake.words}; {mistake.remedy}")
     if found.sound:
         told.append("nothing wrong: light, view, normals and materials are as they should be")
     elif found.after and max(found.after.values()) > 1:

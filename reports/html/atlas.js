@@ -42,7 +42,7 @@ for (const atlas of document.querySelectorAll(".atlas")) {
 
 // A link into what is folded unfolds it.
 function unfold() {
-  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  const [target] = addressed();
   for (let fold = target?.closest("details"); fold; fold = fold.parentElement.closest("details")) fold.open = true;
   if (target?.closest("details")) target.scrollIntoView({ block: "start" });
 }

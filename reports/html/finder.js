@@ -18,9 +18,18 @@ for (const section of document.querySelectorAll(".finder")) {
     history.replaceState(null, "", `#rows${asked.size ? `?${asked}` : ""}`);
   });
   form.addEventListener("submit", (event) => event.preventDefault());
-  form.addEventListener("reset", () => setTimeout(() => form.dispatchEvent(new Event("input"))));
+  form.addEventListener("reset", () => {
+    for (const head of section.querySelectorAll("th[aria-sort]")) head.ariaSort = null;
+    section.querySelector("tbody").append(...rows); // worst first again
+    setTimeout(() => form.dispatchEvent(new Event("input")));
+  });
   section.obey = (asked) => {
-    for (const [name, value] of asked) if (form.elements[name]) form.elements[name].value = value;
+    for (const field of form.elements) if (field.name) field.value = asked.get(field.name) ?? "";
+    // Of what there is none, no row is shown, and that is said.
+    const unknown = [...form.querySelectorAll("select")].filter((s) => asked.has(s.name) && s.value !== asked.get(s.name));
     filter();
+    if (!unknown.length) return;
+    for (const row of rows) row.hidden = true;
+    form.querySelector("output").textContent = `no row has ${unknown.map((s) => `${s.name} ${asked.get(s.name)}`).join(", ")}`;
   };
 }

@@ -16,11 +16,23 @@ function choose(section) {
   for (const row of section.querySelectorAll("tbody[id]")) row.classList.toggle("chosen", matches(row));
 }
 
+// The element that the address names, if any, and what is asked of it.
+function addressed() {
+  const [name, asked] = location.hash.slice(1).split("?");
+  try {
+    return [document.getElementById(decodeURIComponent(name)), asked];
+  } catch {
+    return [null, ""]; // no address at all
+  }
+}
+
 // A link to a row, or to a view of its case, shows the pictures above its table.
 function follow() {
-  const [id, asked] = decodeURIComponent(location.hash.slice(1)).split("?");
-  const target = document.getElementById(id);
-  if (asked && target?.obey) target.obey(new URLSearchParams(asked));
+  const [target, asked] = addressed();
+  if (asked && target?.obey) {
+    target.obey(new URLSearchParams(asked));
+    target.scrollIntoView({ block: "start" });
+  }
   const section = target && target.closest(".case");
   if (!section || (target === section && !asked)) return;
   const wanted = new URLSearchParams(asked);
@@ -93,16 +105,14 @@ for (const section of document.querySelectorAll("[data-group]")) {
   section.addEventListener("change", () => (choose(section), move(section)));
   choose(section);
 }
-async function copy(text, button) {
+async function copy(text, button, otherwise) {
   const said = button.textContent;
-  try {
-    await navigator.clipboard.writeText(text);
-    button.textContent = "Copied";
+  const done = await navigator.clipboard?.writeText(text).then(() => true, () => false);
+  if (done || otherwise) {
+    button.textContent = done ? "Copied" : otherwise;
     setTimeout(() => (button.textContent = said), 2000);
-    return true;
-  } catch {
-    return false;
   }
+  return done;
 }
 
 for (const button of document.querySelectorAll("[data-copy]")) {

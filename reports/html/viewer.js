@@ -278,6 +278,7 @@
 
     probe() {
       const out = this.find("probe"), { read } = this;
+      out.classList.toggle("blank", !this.pixel);
       if (!this.pixel || !read) return;
       if (!this.probed) {
         this.probed = true; // from now on with the maps' values
@@ -303,6 +304,7 @@
         set(kind, place < 2 ? "–" : shown);
       }
       out.hidden = false;
+      out.setAttribute("aria-live", this.pinned ? "polite" : "off"); // not at every move of a pointer
     }
 
     point(pixel, pin = this.pinned) {
@@ -361,18 +363,23 @@
       if (this.stops) asked.set("ev", this.stops);
       if (this.zoom !== 1) asked.set("zoom", this.zoom.toFixed(2));
       if (this.zoom !== 1) asked.set("centre", this.centre.map((n) => n.toFixed(1)).join());
+      if (this.chosen("view") === "slide" && this.split !== 0.5) asked.set("split", this.split.toFixed(3));
+      if (this.chosen("view") === "blink" && this.flipped) asked.set("flipped", 1);
       if (this.pixel && this.pinned) asked.set("pixel", this.pixel.join());
       return `#${row ? row.id : this.section.id}?${asked}`;
     }
 
-    // Show what an address asks for.
+    // Show what an address asks for; what it leaves out is as at first.
     obey(asked) {
+      this.fit();
+      [this.stops, this.split, this.flipped, this.pixel, this.pinned] = [0, 0.5, asked.has("flipped"), null, false];
       for (const axis of ["technique", "truth", "view"]) if (asked.has(axis)) this.choose(axis, asked.get(axis));
       const numbers = (name) => (asked.get(name) ?? "").split(",").map(Number);
       if (asked.has("ev")) this.stops = Math.min(Math.max(Number(asked.get("ev")) || 0, -10), 10);
       if (asked.has("zoom")) this.zoom = Math.min(Math.max(Number(asked.get("zoom")) || 1, 1), 64);
       if (asked.has("centre") && numbers("centre").every(Number.isFinite)) this.centre = numbers("centre");
-      const [x, y] = numbers("pixel");
+      if (asked.has("split")) this.split = Math.min(Math.max(Number(asked.get("split")) || 0, 0), 1);
+      const [x, y] = numbers("pixel").map(Math.floor);
       if (asked.has("pixel") && x >= 0 && y >= 0 && x < this.width && y < this.height) {
         [this.pixel, this.pinned] = [[x, y], true];
       }
@@ -391,7 +398,7 @@
       this.find("fit").addEventListener("click", () => (this.fit(), this.paint()));
       this.find("link").addEventListener("click", (event) => {
         history.replaceState(null, "", this.address);
-        copy(location.href, event.target);
+        copy(location.href, event.target, "It stands in the address");
       });
       stage.addEventListener("keydown", (event) => this.key(event));
       stage.addEventListener("pointerdown", (event) => this.grab(event));

@@ -8,6 +8,7 @@ import numpy as np
 from renderer.draw import Renderer
 from renderer.features import technique
 from reports.candidates import Candidate, CandidateError
+from reports.display import FAINTEST
 from reports.doctor.diagnosis import Diagnosis, diagnose
 from reports.doctor.scenes import doctor_cases
 from reports.progress import reporting
@@ -32,12 +33,14 @@ def examine(candidate: Candidate) -> Diagnosis:
             for key, case in cases.items():
                 report.step(f"{case.id}: the candidate draws it")
                 try:
-                    pictures[key] = candidate.render(case).rgb
+                    drawn = candidate.render(case).rgb
                 except CandidateError as error:
                     lost[key] = str(error)
                     continue
-                if problem := _unfit(pictures[key]):
+                if problem := _unfit(drawn):
                     lost[key] = problem
+                else:
+                    pictures[key] = drawn
             report.step("tell what is wrong")
             return diagnose(cases, pictures, lost, draw, folder)
 
@@ -46,10 +49,10 @@ def _unfit(rgb: np.ndarray) -> str:
     """What makes a picture no picture of light; empty where nothing does."""
     bad = int((~np.isfinite(rgb).all(axis=2)).sum())
     if bad:
-        return f"{bad} pixels hold NaN or Inf"
-    below = int((rgb < 0).any(axis=2).sum())
+        return f"NaN or Inf in {bad} of {rgb.shape[0] * rgb.shape[1]} pixels"
+    below = int((rgb < -FAINTEST).any(axis=2).sum())
     if below:
-        return f"{below} pixels are below zero"
+        return f"light below zero in {below} of {rgb.shape[0] * rgb.shape[1]} pixels"
     return "it is black" if not rgb.any() else ""
 
 

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from reference.settings import TRUTHS
 from renderer.objects import object_ids
 from scenes.environment import read_pixels
@@ -40,9 +42,9 @@ def own_batches(folder: Path, case: Case, truth: str) -> list[Frame]:
     batches = []
     for path in _files(folder, case, truth):
         rgb = read_pixels(path, "reference", (case.width, case.height))
-        if not (rgb >= 0).all():
-            remedy = "write linear radiance"
-            raise InputError(path, "reference", "holds NaN or light below zero", remedy)
+        if bad := int((~(np.isfinite(rgb) & (rgb >= 0))).any(axis=2).sum()):
+            problem = f"holds NaN, Inf or light below zero in {bad} pixels"
+            raise InputError(path, "reference", problem, "write linear radiance")
         provenance = {"samples": 0, "truth": truth, "file": str(path)}
         batches.append(Frame(rgb, ids, 0.0, provenance))
     return batches

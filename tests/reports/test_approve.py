@@ -10,7 +10,7 @@ from reports.gate import judge
 from reports.results import Results, save_results
 from scenes.errors import InputError
 from scenes.suite import Budget, load_suite
-from tests.reports.pages import results, row
+from tests.reports.pages import BUDGET, results, row
 
 RULES = (
     Budget(technique="paper", truth="global", energy_local=0.3, ssim=0.8),
@@ -80,13 +80,18 @@ def test_the_file_keeps_its_comments_and_takes_the_new_limits():
         ({"skipped": ["spheres.noon (filter 'dusk')"]}, "only a part of its suite"),
         ({"rows": [row(problem="is blank")]}, "is blank"),
         ({"rows": [judge(row(), [])]}, "no row has a budget"),
-        ({"rows": [judged(ssim_se=np.nan)]}, "ssim of left in spheres.dusk has no interval"),
+        ({"rows": [judged(ssim_se=np.nan)]}, "ssim of left in spheres.dusk is infinite or has no"),
+        (
+            {"rows": [judged(energy_local=np.inf)]},
+            "energy_local of left in spheres.dusk is inf",
+        ),
+        ({"budgets": []}, "are not those of the suite any more"),
     ],
 )
 def test_results_that_tell_too_little_are_refused(tmp_path, fields, words):
-    run = Results(**dict(results([judged()])) | fields)
+    run = Results(**dict(results([judged()], budgets=list(RULES))) | fields)
     with pytest.raises(InputError, match=words):
-        check(run, tmp_path / "results.json")
+        check(run, RULES, tmp_path / "results.json")
 
 
 @pytest.fixture
@@ -96,7 +101,7 @@ def measured(tmp_path):
     run = '[[run]]\\nscene = "contact"\\nenvironments = ["studio"]\\n\\n'
     (tmp_path / "own.toml").write_text((head + run).encode().decode("unicode_escape") + TEXT)
     rows = [judged(energy_local=0.1), judged(material="gold", energy_local=0.2)]
-    found = results(rows, suite_path=str(tmp_path / "own.toml"))
+    found = results(rows, suite_path=str(tmp_path / "own.toml"), budgets=list(RULES))
     save_results(found, tmp_path / "results.json")
     return tmp_path
 
@@ -107,8 +112,22 @@ def test_the_command_shows_the_difference_and_writes_when_told(shadeproof, measu
     assert code == 0, err
     assert "-energy_local = 0.3 # a third" in out and "looser, so it takes a --reason" in out
     assert suite.read_text() == before
-    shadeproof("approve", measured / "results.json", "--write")
+    shadeproof("approve", measured / "results.json", "--reason", "  ", "--write")
     tight = load_suite(str(suite))[0].budget
     assert tight[0].energy_local < 0.3 and tight[1].energy_local == 0.12
-    shadeproof("approve", measured / "results.json", "--reason", "new gold", "--write")
-    assert load_suite(str(suite))[0].budget[1].reason == "gold; new gold"
+    code, _, err = shadeproof("approve", measured / "results.json")
+    assert code == 2 and "are not those of the suite any more" in err
+    suite.write_text(before)
+    shadeproof("approve", measured / "results.json", "--reason", "old", "--write")
+    assert load_suite(str(suite))[0].budget[1].reason == "gold; old"  # not a part of a word
+
+
+def test_a_silhouette_leaves_room_for_another_rasteriser():
+    measured = judge(row(silhouette=1.0), [BUDGET.model_copy(update={"silhouette": 0.9})])
+    assert row_limit(measured, "silhouette", 0.1) == pytest.approx(0.995)
+
+
+def test_a_suite_that_is_gone_is_told(shadeproof, measured):
+    (measured / "own.toml").unlink()
+    code, _, err = shadeproof("approve", measured / "results.json")
+    assert code == 2 and "names a suite that is gone" in err

@@ -90,12 +90,26 @@ def test_less_ssim_is_worse(tmp_path):
     assert harm(found["ssim"]) > 0
 
 
-def test_a_change_in_one_place_is_unclear(tmp_path):
+def test_a_change_in_one_place_counts_and_its_interval_says_so(tmp_path):
     spot = np.ones((*SHAPE, 1))
     spot[36:60, 36:60] = 1.5  # in one of 25 blocks: drawn with replacement it may be left out
     found = of(changed(run(tmp_path / "old", 1.0), run(tmp_path / "new", spot)), "left")
-    assert found["energy_error"].verdict == "unclear"
-    assert found["energy_error"].low <= 0 < found["energy_error"].change
+    assert found["energy_error"].verdict == found["energy_local"].verdict == "worse"
+    assert found["energy_error"].low <= 1e-4 < found["energy_error"].change
+
+
+def test_a_small_object_is_judged_without_an_interval(tmp_path):
+    mask = np.zeros((64, 64), bool)
+    mask[20:24, 20:24] = True
+    truth = TruthView(np.full((2, 64, 64, 3), 0.5, np.float32), mask, 0.4)
+    old, new = (Subject(truth.mean * np.float32(f), truth) for f in (1.0, 0.1))
+    found = {m.figure: m for m in moved(old, new)}
+    assert found["energy_error"].change == pytest.approx(0.9) and np.isnan(
+        found["energy_error"].low
+    )
+    thin = TruthView(truth.batches, mask & (np.arange(64) == 21), 0.4)
+    figures = [m.figure for m in moved(Subject(old.candidate, thin), Subject(new.candidate, thin))]
+    assert "ssim" not in figures and "energy_error" in figures
 
 
 def test_intervals_hold_what_would_be_measured_of_other_blocks():
@@ -124,8 +138,18 @@ def test_an_old_run_without_its_pictures_is_compared_by_its_figures(tmp_path):
     (tmp_path / "old/paper.exr").unlink()
     found = of(changed(old, new), "left")
     assert not any(c.paired for c in found.values())
-    assert found["energy_error"].change == 0  # both rows say 1 %
-    assert found["energy_error"].high == pytest.approx(np.hypot(1e-3, 1e-3))
+    assert found["energy_error"].change == 0 and found["energy_error"].verdict == "unchanged"
+    assert "paper.exr" in found["energy_error"].reason
+
+
+def test_figures_of_two_references_have_the_noise_of_both(tmp_path):
+    old = run(tmp_path / "old", 1.1)
+    new = run(tmp_path / "new", 1.3, rows=[row(energy_error=0.0105, energy_ci95=(0.0095, 0.0115))])
+    (tmp_path / "old/paper.exr").unlink()
+    found = of(changed(old, new), "left")["energy_error"]
+    reach = np.hypot(1e-3, 1e-3)
+    assert (found.low, found.high) == pytest.approx((5e-4 - reach, 5e-4 + reach))
+    assert found.verdict == "unclear"
 
 
 @pytest.mark.parametrize("moved_ids", [True, False])
@@ -139,6 +163,7 @@ def test_another_scene_is_not_compared(tmp_path, moved_ids):
     found = changed(old, new)
     assert not found.changes and len(found.incomparable) == 2
     assert "has changed" in found.incomparable[0].reason
+    assert any("could not be compared" in r for r in judged(old, new).reasons)
 
 
 def test_a_reference_that_grew_is_the_same(tmp_path, monkeypatch):

@@ -115,7 +115,8 @@ def test_what_nobody_knows_is_not_called_sound():
 
 
 @pytest.mark.parametrize(
-    ("value", "told"), [(np.nan, "hold NaN or Inf"), (-1.0, "are below zero"), (None, "is black")]
+    ("value", "told"),
+    [(np.nan, "NaN or Inf in 1 of"), (-1.0, "below zero in 1 of"), (None, "is black")],
 )
 def test_pictures_that_are_none_are_told(value, told):
     def spoil(rgb):
@@ -126,6 +127,7 @@ def test_pictures_that_are_none_are_told(value, told):
 
     found = examine(Odd(spoil))
     assert not found.sound and all(told in line for line in sentences(found)[: len(CASES)])
+    assert "doctor --cases" in sentences(found)[-1]
 
 
 def test_a_candidate_that_draws_nothing_is_told():

@@ -58,3 +58,10 @@ def test_a_damaged_history_is_told_and_costs_nothing_else(folder):
 
 def test_a_run_adds_itself(tiny):
     assert len(load_history(tiny)) == 1
+
+
+def test_a_damaged_history_stops_a_run_before_it_begins(shadeproof, tmp_path):
+    (tmp_path / "history.jsonl").write_text("garbage\n")
+    code, _, err = shadeproof("compare", "--suite", "tiny", "--out", tmp_path)
+    assert code == 2 and "history.jsonl: line 1" in err
+    assert not (tmp_path / "frames").exists()

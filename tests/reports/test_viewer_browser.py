@@ -61,7 +61,7 @@ def opened(chromium, lights, complaints):
         run = results(rows or [row(exposure=1.0), row(object="right", weight=0.5, exposure=1.0)])
         path = write_report(run, lights)
         own.extend([path.as_uri(), (lights / html.BESIDE).as_uri()])
-        page = chromium.new_page(viewport={"width": 900, "height": 800}, **screen)
+        page = chromium.new_page(**{"viewport": {"width": 900, "height": 800}} | screen)
         page.on("console", lambda message: heard(message.text))
         page.on("pageerror", lambda error: heard(str(error)))
         page.on("request", lambda asked: heard(asked.url))
@@ -208,6 +208,36 @@ def test_a_link_shows_what_its_sender_saw(opened):
     assert again.evaluate(f"{viewer}.address") == address
 
 
+def test_a_link_leaves_nothing_of_the_view_before(opened):
+    page = opened("#case--spheres.dusk?view=blink&flipped=1&zoom=4&ev=1&pixel=60,20")
+    viewer = "document.querySelector('.case').viewer"
+    near(colour(page, *RIGHT), srgb(0.5, 0.5, 0.5))  # the reference, a stop brighter
+    page.evaluate("location.hash = '#case--spheres.dusk?view=slide&split=0.25'")
+    until(page, f"{viewer}.split === 0.25")
+    assert page.evaluate(f"[{viewer}.zoom, {viewer}.stops, {viewer}.pixel]") == [1, 0, None]
+    assert not page.locator(".probe").is_visible()
+    page.evaluate("location.hash = '#%zz'")  # an address that is none
+    page.evaluate("location.hash = '#case--spheres.dusk?pixel=10.5,20'")
+    until(page, f"{viewer}.pixel")
+    assert page.evaluate(f"{viewer}.pixel") == [10, 20]
+
+
+def test_a_probe_that_is_let_go_tells_nothing(opened):
+    page = opened()
+    page.locator(STAGE).focus()
+    page.keyboard.press("ArrowRight")
+    until(page, "document.querySelector('.probe .ssim').textContent")
+    assert page.locator(".probe").is_visible()
+    page.keyboard.press("Escape")
+    assert not page.locator(".probe").is_visible()
+
+
+def test_a_narrow_window_scrolls_nowhere_sideways(opened):
+    page = opened("#case--spheres.dusk?pixel=60,20", viewport={"width": 500, "height": 900})
+    until(page, "document.querySelector('.probe .ssim').textContent")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 500
+
+
 def test_zoom_is_the_same_on_both_sides(opened):
     page = opened("#case--spheres.dusk?view=side&zoom=8&centre=8,8")
     # A corner of the left object stands in the middle of each side.
@@ -228,6 +258,11 @@ def test_rows_can_be_filtered_and_the_address_says_how(opened):
     assert page.locator(".finder tbody tr:visible").count() == 1
     again = opened("#rows?weight=0.25")
     assert again.locator(".finder tbody tr:visible").count() == 1
+    again.evaluate("location.hash = '#rows?text=right'")
+    until(again, "document.querySelector('.finder select[name=weight]').value === ''")
+    assert again.locator(".finder tbody tr:visible").count() == 1
+    again.evaluate("location.hash = '#rows?weight=7'")
+    until(again, "document.querySelector('.finder output').textContent === 'no row has weight 7'")
 
 
 def test_rows_are_sorted_by_a_heading(opened):
