@@ -66,14 +66,7 @@ class Command:
         with tempfile.TemporaryDirectory() as folder:
             description, out = Path(folder) / "case.json", Path(folder) / "out.exr"
             description.write_text(case.model_dump_json(indent=1), encoding="utf-8")
-            words = [
-                w.replace("{case}", str(description)).replace("{out}", str(out)) for w in self.words
-            ]
-            start = time.perf_counter()
-            code, said = _run(words, self.timeout)
-            seconds = time.perf_counter() - start
-            if code != 0:
-                raise CandidateError(f"exit code {code}" + (f": {said[-1]}" if said else ""))
+            seconds = self.run(description, out)
             if not out.exists():
                 raise CandidateError("ended with exit code 0 but wrote no picture")
             try:
@@ -81,6 +74,19 @@ class Command:
             except InputError as error:
                 raise CandidateError(f"picture {error.problem}") from error
         return Frame(rgb, None, seconds, {"renderer": self.words[0]})
+
+    def run(self, case: Path, out: Path) -> float:
+        """Run the program on two paths; the seconds that it took.
+
+        Raises:
+            CandidateError: it timed out or failed.
+        """
+        words = [w.replace("{case}", str(case)).replace("{out}", str(out)) for w in self.words]
+        start = time.perf_counter()
+        code, said = _run(words, self.timeout)
+        if code != 0:
+            raise CandidateError(f"exit code {code}" + (f": {said[-1]}" if said else ""))
+        return time.perf_counter() - start
 
 
 def _run(words: list[str], timeout: float) -> tuple[int, list[str]]:

@@ -2,6 +2,7 @@
 
 from rich.console import Console
 
+from reports.doctor.brdf import Answer
 from reports.doctor.diagnosis import Diagnosis
 from reports.doctor.scenes import CASES
 
@@ -35,3 +36,18 @@ def print_diagnosis(found: Diagnosis, console: Console) -> None:
             "how far off, without and with that explained (1 is what honest renderers differ by): "
         )
         console.print(told + ", ".join(each), style="dim", soft_wrap=True)
+
+
+def print_answers(answers: list[Answer], console: Console) -> None:
+    """Each material with its worst direction, and in words what explains a difference."""
+    for answer in answers:
+        off, surface = answer.off, answer.material
+        name = surface.name or f"alpha {off.alpha:.3g}, weight {off.weight:g}"
+        where = (f"{n}={','.join(f'{v:.4g}' for v in getattr(off, n))}" for n in ("wi", "wo"))
+        state = "right" if off.passed else "off"
+        told = f"{name}: {state}, by {off.worst:.1e} of f at worst ({' '.join(where)})"
+        console.print(f"{told}, {answer.median:.1e} in the middle", soft_wrap=True, markup=False)
+    mistakes = dict.fromkeys(a.mistake for a in answers if a.mistake)
+    for mistake in mistakes:
+        count = sum(a.mistake == mistake for a in answers)
+        console.print(f"it looks as if {mistake} ({count} of {len(answers)})", soft_wrap=True)
