@@ -46,12 +46,10 @@ DAMAGE = (  # what the readers of zip, JSON and EXR raise on spoilt bytes
     zlib.error,
     struct.error,
     ValueError,
-    KeyError,
     TypeError,
     LookupError,
     EOFError,
-    RuntimeError,
-    NotImplementedError,
+    RuntimeError,  # of a compression unknown to zipfile, too
     OverflowError,
 )
 Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]

@@ -6,6 +6,7 @@ from typing import Any
 from xml.etree import ElementTree as xml
 
 import numpy as np
+import trimesh
 
 from reference.physical import physical_bsdf
 from reference.settings import PATH
@@ -37,7 +38,7 @@ def write_scene_xml(case: Case, folder: Path) -> None:
     for number, obj in enumerate(case.objects):
         shape = xml.SubElement(scene, "shape", type="ply", id=obj.name)
         name = f"object_{number:03}.ply"
-        write_ply(world_mesh(obj), folder / name)
+        _write_ply(world_mesh(obj), folder / name)
         xml.SubElement(shape, "string", name="filename", value=name)
         bsdf, _ = physical_bsdf(obj)
         _bsdf(shape, bsdf, folder, f"object_{number:03}")
@@ -46,21 +47,12 @@ def write_scene_xml(case: Case, folder: Path) -> None:
     (folder / "scene.xml").write_text(text, encoding="utf-8")
 
 
-def write_ply(mesh: Mesh, path: Path) -> None:
-    """Write triangles with normals, and texture coordinates if there are any, as binary PLY."""
-    columns = [mesh.vertices, mesh.normals]
-    names = ["x", "y", "z", "nx", "ny", "nz"]
-    if "uv" in mesh.carried:
-        columns.append(mesh.carried["uv"])
-        names += ["u", "v"]
-    lines = ["ply", "format binary_little_endian 1.0", f"element vertex {len(mesh.vertices)}"]
-    lines += [f"property float {name}" for name in names]
-    lines += [f"element face {len(mesh.faces)}", "property list uchar int vertex_indices"]
-    faces = np.empty(len(mesh.faces), np.dtype([("n", "u1"), ("v", "<i4", 3)]))
-    faces["n"], faces["v"] = 3, mesh.faces
-    head = "\n".join([*lines, "end_header"]) + "\n"
-    table = np.hstack(columns).astype("<f4")
-    path.write_bytes(head.encode() + table.tobytes() + faces.tobytes())
+def _write_ply(mesh: Mesh, path: Path) -> None:
+    """Triangles with normals, and texture coordinates if there are any, as binary PLY."""
+    made = trimesh.Trimesh(mesh.vertices, mesh.faces, vertex_normals=mesh.normals, process=False)
+    if "uv" in mesh.carried:  # under the names that Mitsuba reads
+        made.vertex_attributes = dict(zip("uv", mesh.carried["uv"].T, strict=True))
+    made.export(path, vertex_normal=True)
 
 
 def _sensor(scene: xml.Element, case: Case) -> None:

@@ -76,7 +76,7 @@ def _complete(told: dict, material: Material) -> None:
     }
     told["doubleSided"] = False
     if material.metallic < 1 and material.f0.eta is not None:
-        told["extensions"] = {"KHR_materials_ior": {"ior": sum(material.f0.eta) / 3}}
+        told["extensions"] = {"KHR_materials_ior": {"ior": material.one_eta}}
     told["extras"] = {"shadeproof": material.model_dump(mode="json")}
 
 

@@ -15,8 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from reports.export.gltf import Y_UP, base_colour
-from reports.outside.light import averaged, unturned
-from scenes.frame import write_exr
+from reports.outside.shared import answer, averaged, unturned
 from scenes.mesh import world_mesh
 from scenes.schema import Case, Object
 
@@ -92,7 +91,7 @@ def _object(obj: Object) -> dict:
         "colour": base_colour(material),
         "metallic": material.metallic,
         "roughness": material.roughness,
-        "ior": sum(material.f0.eta) / 3 if material.f0.eta else 1.5,
+        "ior": material.one_eta if material.f0.eta else 1.5,
     }
 
 
@@ -100,12 +99,5 @@ def _text(values: np.ndarray, kind: str) -> str:
     return base64.b64encode(np.ascontiguousarray(values).astype(kind).tobytes()).decode("ascii")
 
 
-def main(words: list[str]) -> None:
-    """Draw the case of a JSON file into an EXR."""
-    source, target = map(Path, words)
-    case = Case.model_validate_json(source.read_text(encoding="utf-8"))
-    write_exr(target, np.ascontiguousarray(draw(case)), ["R", "G", "B"])
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    answer(draw)

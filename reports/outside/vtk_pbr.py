@@ -6,13 +6,10 @@ VTK draws 8 bits through a gamma of 2.2, so a picture is joined from several exp
 GGX lobe: a mixture is drawn by its roughness alone. It draws no shadows between surfaces.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-from reports.outside.light import averaged, joined, unturned
-from scenes.frame import write_exr
+from reports.export.gltf import base_colour
+from reports.outside.shared import answer, averaged, joined, unturned
 from scenes.mesh import world_mesh
 from scenes.schema import Case, Object
 
@@ -97,14 +94,11 @@ def _actor(vtk, obj: Object):
     actor.SetMapper(mapper)
     surface = actor.GetProperty()
     surface.SetInterpolationToPBR()
-    metal = material.metal.f0 if material.metal else material.albedo
-    share = material.metallic
-    colour = ((1 - share) * a + share * m for a, m in zip(material.albedo, metal, strict=True))
-    surface.SetColor(*colour)
-    surface.SetMetallic(share)
+    surface.SetColor(*base_colour(material))
+    surface.SetMetallic(material.metallic)
     surface.SetRoughness(material.roughness)
     if material.f0.eta is not None:
-        surface.SetBaseIOR(sum(material.f0.eta) / 3)
+        surface.SetBaseIOR(material.one_eta)
     return actor
 
 
@@ -121,12 +115,5 @@ def _pixels(vtk, window) -> np.ndarray:
     return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)[::-1, :, :3]
 
 
-def main(words: list[str]) -> None:
-    """Draw the case of a JSON file into an EXR."""
-    source, target = map(Path, words)
-    case = Case.model_validate_json(source.read_text(encoding="utf-8"))
-    write_exr(target, np.ascontiguousarray(draw(case)), ["R", "G", "B"])
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    answer(draw)

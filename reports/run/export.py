@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from reference.pack import EPOCH
 from reference.scene_xml import write_scene_xml
 from reports.export.gltf import write_gltf
 from reports.run.job import Job, make_folder
@@ -19,7 +20,6 @@ from scenes.schema import PRIMITIVES, Case, Material
 
 HERE = Path(__file__).parent
 ABOUT = HERE.parent / "export" / "README.txt"
-EPOCH = (1980, 1, 1, 0, 0, 0)  # the same case gives the same bytes
 
 
 def export(job: Job, folder: Path) -> list[tuple[Path, str]]:
@@ -49,6 +49,7 @@ def _export(case: Case, folder: Path) -> tuple[Path, str]:
         path = folder / f"{case.id}.zip"
         with written_aside(path) as aside, zipfile.ZipFile(aside, "w") as packed:
             for file in sorted(p for p in root.rglob("*") if p.is_file()):
+                # The same case gives the same bytes.
                 info = zipfile.ZipInfo(str(file.relative_to(root)), EPOCH)
                 info.compress_type = zipfile.ZIP_DEFLATED
                 packed.writestr(info, file.read_bytes())

@@ -9,7 +9,7 @@ import pytest
 
 from reports.candidates import Command
 from reports.outside import three_pbr
-from reports.outside.light import averaged, joined, unturned
+from reports.outside.shared import averaged, joined, unturned
 from reports.run.doctor import examine
 from scenes.frame import write_exr
 from scenes.schema import Camera, Case, Environment, Material, Object

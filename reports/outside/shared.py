@@ -1,14 +1,24 @@
-"""What both examples need: the light as others store it, and pictures beyond what 8 bits hold."""
+"""What both examples need: a command line, the light as others store it, more than 8 bits hold."""
 
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
 from scenes.environment import load_environment
+from scenes.frame import write_exr
 from scenes.schema import Case
 
 STOPS = (0, 2, 4, 6, 8, 10)  # of exposures that are joined
 FULL = 250  # of 255, from which on a channel may have been cut off
+
+
+def answer(draw: Callable[[Case], np.ndarray]) -> None:
+    """Draw the case of the JSON file that the command line names into the EXR named after it."""
+    source, target = map(Path, sys.argv[1:])
+    case = Case.model_validate_json(source.read_text(encoding="utf-8"))
+    write_exr(target, np.ascontiguousarray(draw(case)), ["R", "G", "B"])
 
 
 def unturned(case: Case) -> np.ndarray:
