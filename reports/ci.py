@@ -12,7 +12,7 @@ from reports.change.told import heading, worst
 from reports.change.told import markdown as markdown_of_changes
 from reports.crops import Crop
 from reports.gate import headline, worst_first
-from reports.results import Results, Row
+from reports.results import Key, Results, Row
 from reports.terminal import BESIDE, beside_cells, describe, skips
 from scenes.frame import write_text
 
@@ -32,7 +32,7 @@ def write_junit(results: Results, path: Path) -> None:
     for row in results.rows:
         test = TestCase(f"{row.object} {row.technique} against {row.truth}", classname=row.case)
         test.time = 0.0 if row.frame_ms != row.frame_ms else row.frame_ms / 1e3
-        if told := worse.get((row.case, row.object, row.technique, row.truth)):
+        if told := worse.get(row.key):
             test.result = [Failure(told)]
         elif row.verdict == "fail" or (
             row.verdict == "inconclusive" and not results.allow_inconclusive
@@ -55,7 +55,7 @@ def write_junit(results: Results, path: Path) -> None:
     write_text(path, xml.tostring().decode())
 
 
-def _worse(results: Results) -> dict[tuple[str, str, str, str], str]:
+def _worse(results: Results) -> dict[Key, str]:
     """What is said of each row that got worse, where that fails the run."""
     if not results.changed or not results.changed.judged:
         return {}

@@ -61,9 +61,7 @@ def worst_rows(results: Results) -> list[Row]:
     changed = by_row(results.changed)
     worse = [key for key, own in changed.items() if verdict_of(own) == "worse"]
     place = {key: number for number, key in enumerate(worse)}
-    return sorted(
-        ranked, key=lambda r: place.get((r.case, r.object, r.technique, r.truth), len(place))
-    )
+    return sorted(ranked, key=lambda r: place.get(r.key, len(place)))
 
 
 def _strip(uris: list[str]) -> Image.Image:

@@ -306,5 +306,5 @@ def worst_first(rows: list[Row]) -> list[Row]:
 
 def missing_rows(expected: list[Missing], rows: list[Row]) -> list[Missing]:
     """Those of the expected rows that are not there."""
-    there = {(r.case, r.object, r.technique, r.truth) for r in rows}
-    return [m for m in expected if (m.case, m.object, m.technique, m.truth) not in there]
+    there = {r.key for r in rows}
+    return [m for m in expected if m.key not in there]

@@ -38,7 +38,29 @@ TOLD: dict[str, dict[str, type]] = {
 }
 
 
-class Row(Record):
+Key = tuple[str, str, str, str]  # case, object, technique, truth
+
+
+class Keyed(Record):
+    """What is said of one object of a case: one technique against one truth."""
+
+    case: str
+    object: str
+    technique: str
+    truth: str
+
+    @property
+    def key(self) -> Key:
+        """What tells it from all others of a run."""
+        return self.case, self.object, self.technique, self.truth
+
+    @property
+    def named(self) -> str:
+        """The same in words."""
+        return f"{self.case} {self.object}, {self.technique} against {self.truth}"
+
+
+class Row(Keyed):
     """One object of one case: one candidate against one truth.
 
     `picture` names what was compared: of a technique with switches the picture that has what the
@@ -50,18 +72,14 @@ class Row(Record):
     says why.
     """
 
-    case: str
     scene: str
     environment: str
-    object: str
     material: str
     roughness: float
     metallic: float
     weight: float
     weight_g: float
-    technique: str
     picture: str
-    truth: str
     ssim: Figure = UNKNOWN
     ssim_ci95: Interval = UNKNOWN_INTERVAL
     ssim_se: Figure = UNKNOWN
@@ -136,7 +154,7 @@ class Cause(Record):
     ssim: Figured | None = None
 
 
-class Ladder(Record):
+class Ladder(Keyed):
     """The error of one object by cause, up to the last truth that there is.
 
     The causes without a parent sum to `total` within the gaps, since they come from different
@@ -145,10 +163,6 @@ class Ladder(Record):
     `missing` says how much of the occlusion and interreflection the candidate lacks (1 is all).
     """
 
-    case: str
-    object: str
-    technique: str
-    truth: str
     switched: list[str] = Field(default_factory=list)
     causes: list[Cause]
     total: Cause
@@ -158,13 +172,8 @@ class Ladder(Record):
     missing: dict[str, Figured] = Field(default_factory=dict)
 
 
-class Missing(Record):
+class Missing(Keyed):
     """A row that the suite asks for and the run did not give."""
-
-    case: str
-    object: str
-    technique: str
-    truth: str
 
 
 class Ratio(Record):
@@ -195,7 +204,7 @@ class Beside(Record):
     ratios: list[Ratio]
 
 
-class Change(Record):
+class Change(Keyed):
     """How far one figure of a row moved since an earlier run.
 
     `figure` is a field of Row. Where `paired`, `old` and `new` are of both pictures against one
@@ -206,10 +215,6 @@ class Change(Record):
     nearer, else `unclear`.
     """
 
-    case: str
-    object: str
-    technique: str
-    truth: str
     figure: str
     old: Figure
     new: Figure
@@ -222,13 +227,9 @@ class Change(Record):
     verdict: Literal["better", "worse", "unchanged", "unclear"]
 
 
-class Incomparable(Record):
+class Incomparable(Keyed):
     """A row that only one of two runs has, or whose change says nothing, and why."""
 
-    case: str
-    object: str
-    technique: str
-    truth: str
     reason: str
     lost: bool = False
 

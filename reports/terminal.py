@@ -15,6 +15,7 @@ from reports.crops import Crop
 from reports.furnace import MASKINGS, Departure, EnergyClaim, Quantity
 from reports.gate import headline, worst_first
 from reports.html.figures import METRICS, half_width
+from reports.html.template import pasted
 from reports.results import Beside, Ladder, Ratio, Results, Row
 from reports.telling import crossed, notes_of
 from scenes.draw.suite import WIDER
@@ -136,22 +137,10 @@ def print_crops(crops: Sequence[Crop], out: Path, results: Results, console: Con
         row = crop.row
         told = f"{row.object} in {row.case}, {row.technique} against {row.truth}"
         console.print(f"  picture: {out / crop.path}: {told}", soft_wrap=True, markup=False)
-    command = again(results.command, crops[0].row.case, out / "again")
-    console.print(f"  see it: .venv/bin/{command}", soft_wrap=True, markup=False)
-
-
-def again(command: str, case: str, out: Path) -> str:
-    """The command that compares one case as a run did, into a folder of its own."""
-    words, kept = shlex.split(command), ["shadeproof", "compare"]
-    given = iter(words[2:])
-    for word in given:
-        name, apart, _ = word.partition("=")
-        if name in ("--filter", "--out", "--regression"):
-            if not apart:
-                next(given, None)
-        elif name not in ("--absolute", "--json", "--verdict-only"):
-            kept.append(word)
-    return shlex.join([*kept, "--filter", case, "--out", str(out)])
+    # Of an option that is given twice the last one counts.
+    again = ["--filter", crops[0].row.case, "--out", str(out / "again")]
+    told = f"{results.command.replace(' --verdict-only', '')} {shlex.join(again)}"
+    console.print(f"  see it: {pasted(told)}", soft_wrap=True, markup=False)
 
 
 def skips(results: Results) -> list[str]:

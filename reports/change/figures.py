@@ -72,7 +72,7 @@ def moved(old: Subject, new: Subject) -> list[Moved]:
 
 def _statistics(old: Subject, new: Subject) -> Iterator[_Statistic]:
     truth, mask = old.truth, old.truth.mask
-    blocks = _blocks(mask, truth.corner)
+    blocks = energy.block_labels(mask.shape, truth.corner, BLOCK)
     count = len(np.unique(blocks[mask]))
     yield _local(old, new)
     yield _Statistic("energy_error", _total(old, new, blocks), count)
@@ -81,12 +81,6 @@ def _statistics(old: Subject, new: Subject) -> Iterator[_Statistic]:
         core = len(np.unique(blocks[truth.core]))
         yield _Statistic("ssim", _means(maps, blocks, truth.core), core)
     yield _Statistic("flip", _means(flip_maps([old, new]), blocks, mask), count)
-
-
-def _blocks(mask: np.ndarray, corner: tuple[int, int]) -> np.ndarray:
-    """The number of the block that each pixel lies in, (h, w), on the picture's grid."""
-    rows, columns = ((np.arange(n) + at) // BLOCK for n, at in zip(mask.shape, corner, strict=True))
-    return (rows - rows[0])[:, None] * (columns[-1] - columns[0] + 1) + columns - columns[0]
 
 
 def _sums(values: np.ndarray, blocks: np.ndarray, mask: np.ndarray) -> np.ndarray:

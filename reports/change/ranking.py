@@ -3,9 +3,8 @@
 import math
 from collections.abc import Iterable
 
-from reports.results import Change, Changes
+from reports.results import Change, Changes, Key
 
-Key = tuple[str, str, str, str]  # case, object, technique, truth
 NEW_ROW = "the old run does not have it"  # why there is no change, and no harm in that
 ORDER = ("worse", "better", "unclear", "unchanged")
 RISES = {"ssim": -1}  # figures that fall where a picture gets worse
@@ -21,9 +20,7 @@ def by_row(changes: Changes) -> dict[Key, list[Change]]:
     """The changes of each row, the most worse first."""
     rows: dict[Key, list[Change]] = {}
     for change in changes.changes:
-        rows.setdefault((change.case, change.object, change.technique, change.truth), []).append(
-            change
-        )
+        rows.setdefault(change.key, []).append(change)
 
     def rank(own: list[Change]) -> tuple[int, float]:
         return ORDER.index(verdict_of(own)), -max(abs(harm(c)) for c in own)

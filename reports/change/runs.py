@@ -10,9 +10,8 @@ from reports.change.figures import TOLERANCES, Moved, moved
 from reports.change.ranking import NEW_ROW, RISES
 from reports.frames import CaseFrames, PictureError
 from reports.metrics.subject import Subject
-from reports.results import Change, Changes, Incomparable, Results, Row
+from reports.results import Change, Changes, Incomparable, Keyed, Results, Row
 
-Key = tuple[str, str, str, str]
 MOVED_REFERENCE = 5.0  # standard errors of its light, from which on a reference is another's
 
 
@@ -29,22 +28,23 @@ def changes_between(
         old_path, new_path: of their results.json, beside which their frames lie.
         judged: whether worse rows are to fail the new run.
     """
-    before = {_key(r): r for r in old.rows}
+    before = {r.key: r for r in old.rows}
     made: list[Change] = []
     unpaired: list[Incomparable] = []
     for case in dict.fromkeys(r.case for r in new.rows):
         rows = [r for r in new.rows if r.case == case]
-        known = [before.pop(_key(r)) for r in rows if _key(r) in before]
+        known = [before.pop(r.key) for r in rows if r.key in before]
         pictures = _Pictures((old, old_path.parent, known), (new, new_path.parent, rows))
-        known = {_key(r): r for r in known}
+        known = {r.key: r for r in known}
         for row in rows:
-            found = _changed(known.get(_key(row)), row, pictures)
+            found = _changed(known.get(row.key), row, pictures)
             if isinstance(found, str):
-                unpaired.append(_incomparable(row, found))
+                unpaired.append(Incomparable(**_about(row), reason=found))
             else:
                 made += found
     for row in before.values():
-        unpaired.append(_incomparable(row, "the new run does not have it", lost=True))
+        reason = "the new run does not have it"
+        unpaired.append(Incomparable(**_about(row), reason=reason, lost=True))
     return Changes(
         path=str(old_path),
         suite=old.suite,
@@ -160,10 +160,7 @@ def _judged(after: Row, moved: Moved, paired: bool, reason: str = "") -> Change:
     else:
         verdict = "unchanged" if -tolerance <= low and high <= tolerance else "unclear"
     return Change(
-        case=after.case,
-        object=after.object,
-        technique=after.technique,
-        truth=after.truth,
+        **_about(after),
         figure=moved.figure,
         old=moved.old,
         new=moved.new,
@@ -177,16 +174,6 @@ def _judged(after: Row, moved: Moved, paired: bool, reason: str = "") -> Change:
     )
 
 
-def _key(row: Row) -> Key:
-    return row.case, row.object, row.technique, row.truth
-
-
-def _incomparable(row: Row, reason: str, lost: bool = False) -> Incomparable:
-    return Incomparable(
-        case=row.case,
-        object=row.object,
-        technique=row.technique,
-        truth=row.truth,
-        reason=reason,
-        lost=lost,
-    )
+def _about(row: Row) -> dict[str, str]:
+    """The fields that say which row a record is about."""
+    return dict(zip(Keyed.model_fields, row.key, strict=True))

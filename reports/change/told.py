@@ -33,11 +33,10 @@ def heading(changes: Changes) -> str:
 
 def cells(change: Change) -> tuple[str, ...]:
     """The cells of one figure under HEADINGS, but for the first."""
-    row = f"{change.case} {change.object}, {change.technique} against {change.truth}"
     told = [shown(change, v) for v in (change.old, change.new)]
     noise = "" if change.paired else f" (not paired: {change.reason})"
     return (
-        row,
+        change.named,
         NAMES[change.figure],
         *told,
         shown(change, change.change, signed=True),
@@ -83,8 +82,7 @@ def print_changes(changes: Changes, console: Console) -> None:
             table.add_row(verdict, *cells(change), style=STYLE[verdict])
         console.print(table)
     for one in changes.incomparable[:SHOWN]:
-        what = f"{one.case} {one.object}, {one.technique} against {one.truth}"
-        console.print(f"not comparable: {what}: {one.reason}", soft_wrap=True, markup=False)
+        console.print(f"not comparable: {one.named}: {one.reason}", soft_wrap=True, markup=False)
     console.print(f"changed {heading(changes)}: {counted(changes)}", soft_wrap=True, markup=False)
 
 

@@ -42,19 +42,15 @@ def changed_of(results: Results) -> ChangedView | None:
 
 
 def _view(results: Results, changes: Changes) -> ChangedView:
-    hrefs = {(r.case, r.object, r.technique, r.truth): row_id(r) for r in results.rows}
+    hrefs = {r.key: row_id(r) for r in results.rows}
     lines = []
     for verdict, change in telling(changes):
-        key = (change.case, change.object, change.technique, change.truth)
-        own = hrefs.get(key, "")
+        own = hrefs.get(change.key, "")
         lines.append(Line(verdict, STATES[verdict], own, cells(change), f"{harm(change):.4g}"))
     return ChangedView(
         counts=counted(changes),
         since=heading(changes),
         tolerances=", ".join(f"{NAMES[n]} {digits(t)}" for n, t in TOLERANCES.items()),
         lines=lines,
-        incomparable=[
-            f"{one.case} {one.object}, {one.technique} against {one.truth}: {one.reason}"
-            for one in changes.incomparable
-        ],
+        incomparable=[f"{one.named}: {one.reason}" for one in changes.incomparable],
     )

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -155,6 +155,6 @@ def _made(layer: Layer, make: Callable[[], dict[str, Any]]) -> Layer:
     """The layer with its data, or its absence with the reason."""
     try:
         with np.errstate(all="ignore"):  # NaN and Inf of a candidate are counted in its row
-            return Layer(**asdict(layer) | make())
+            return replace(layer, **make())
     except Exception as error:  # one bad picture must not cost the whole page
-        return Layer(**asdict(layer) | {"problem": told(error)})
+        return replace(layer, problem=told(error))

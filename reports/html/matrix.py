@@ -117,7 +117,7 @@ def cell(metric: Metric, row: Row) -> Cell:
 
 def row_id(row: Row) -> str:
     """The id of a row on the page."""
-    return slug("row", row.case, row.object, row.technique, row.truth)
+    return slug("row", *row.key)
 
 
 def _worst_cell(

@@ -128,7 +128,7 @@ def rooted(square: Estimate) -> tuple[float, float, float]:
 def block_errors(subject: Subject) -> np.ndarray:
     """The signed energy error of each block spread over its pixels, (h, w); NaN off the object."""
     mask = subject.truth.mask
-    labels = _labels(mask.shape, subject.truth.corner)
+    labels = block_labels(mask.shape, subject.truth.corner)
     candidate = np.bincount(labels[mask], subject.candidate[mask].mean(axis=1))
     truth = np.bincount(labels[mask], subject.truth.mean[mask].mean(axis=1))
     errors = candidate / np.maximum(truth, 1e-30) - 1
@@ -145,7 +145,8 @@ def paired_squares(
 
     Returns:
         Squares of the old and of the new picture times the blocks' pixels, (b, 3) each, those
-        pixels (b,), and in which larger block, of `group` pixels aside, each lies, (b,).
+        pixels (b,), and in which larger block, of `group` pixels aside, a multiple of
+        BLOCK, each lies, (b,).
     """
     pixels, before, batches = _blocks(old)
     after, truth = _blocks(new)[1], batches.mean(axis=0)
@@ -154,17 +155,15 @@ def paired_squares(
     squares = weights * pairs(errors[:, None] * errors)
     apart = weights * (after - before) * (after + before - 2 * truth)
     mask, corner = old.truth.mask, old.truth.corner
-    places = np.argwhere(mask) + corner
-    inverse, count = _numbered(_labels(mask.shape, corner)[mask])
-    first = np.full(count, len(inverse))
-    np.minimum.at(first, inverse, np.arange(len(inverse)))
-    rows, columns = (places[first] // group).T
-    return squares, squares + apart, pixels, rows * (columns.max() + 1) + columns
+    inverse, count = _numbered(block_labels(mask.shape, corner)[mask])
+    owners = np.zeros(count, int)
+    owners[inverse] = block_labels(mask.shape, corner, group)[mask]
+    return squares, squares + apart, pixels, owners
 
 
 def block_sums(pixels: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Pixels (H, W, 3 or 1) of a whole picture summed over an object's blocks, (3 blocks,)."""
-    labels, count = _numbered(_labels(mask.shape, (0, 0))[mask])
+    labels, count = _numbered(block_labels(mask.shape)[mask])
     inside = np.broadcast_to(pixels, (*mask.shape, 3))[mask]
     return np.stack([np.bincount(labels, c, count) for c in inside.T], axis=1).ravel()
 
@@ -175,10 +174,12 @@ def _numbered(labels: np.ndarray) -> tuple[np.ndarray, int]:
     return inverse, len(found)
 
 
-def _labels(shape: tuple[int, int], corner: tuple[int, int]) -> np.ndarray:
+def block_labels(
+    shape: tuple[int, int], corner: tuple[int, int] = (0, 0), side: int = BLOCK
+) -> np.ndarray:
     """The number of the block that each pixel lies in, (h, w); blocks lie on the picture's grid."""
     rows, columns = (
-        (np.arange(size) + start) // BLOCK - start // BLOCK
+        (np.arange(size) + start) // side - start // side
         for size, start in zip(shape, corner, strict=True)
     )
     return rows[:, None] * (columns[-1] + 1) + columns
@@ -187,7 +188,7 @@ def _labels(shape: tuple[int, int], corner: tuple[int, int]) -> np.ndarray:
 def _blocks(subject: Subject) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Pixels (b,), candidate (b, 3) and batches (n, b, 3) summed over the object's blocks."""
     mask = subject.truth.mask
-    inverse, count = _numbered(_labels(mask.shape, subject.truth.corner)[mask])
+    inverse, count = _numbered(block_labels(mask.shape, subject.truth.corner)[mask])
 
     def summed(pixels: np.ndarray) -> np.ndarray:
         return np.stack([np.bincount(inverse, pixels[:, c], count) for c in range(3)], axis=1)

@@ -6,6 +6,7 @@ from typing import Any
 import flip_evaluator
 import numpy as np
 
+from reports.metrics.energy import block_labels
 from reports.metrics.subject import Subject
 from reports.noise import combined, quantile
 
@@ -31,7 +32,7 @@ def figures(subject: Subject) -> dict[str, Any]:
     truths = subject.truth.mean, batches[0:count:2].mean(axis=0)
     whole, half = _maps([(subject, truth) for truth in truths])
     # A half differs from the whole as the whole from the truth: the map's noise, block by block.
-    blocks = _labels(mask.shape)[mask]
+    blocks = block_labels(mask.shape, side=BLOCK)[mask]
     apart = np.bincount(blocks, (half - whole)[mask]) / mask.sum()
     se, dof = combined(apart**2, 1)
     reach = se * quantile(0.95, dof)
@@ -89,8 +90,3 @@ def _framed(image: np.ndarray, width: int) -> np.ndarray:
     right = width - image.shape[1] + APART
     padded = np.pad(np.clip(image, 0, None), ((APART, APART), (APART, right), (0, 0)), mode="edge")
     return np.ascontiguousarray(padded, np.float32)
-
-
-def _labels(shape: tuple[int, int]) -> np.ndarray:
-    rows, columns = np.indices(shape) // BLOCK
-    return rows * (shape[1] // BLOCK + 1) + columns
