@@ -71,7 +71,8 @@ def _strip(uris: list[str]) -> Image.Image:
         for uri in uris
     ]
     width = sum(i.width for i in images) + APART * (len(images) - 1)
-    strip = Image.new("RGBA", (width, max(i.height for i in images)), "white")
+    # Grey, as around the maps of the page: white is what a map shows where nothing is wrong.
+    strip = Image.new("RGBA", (width, max(i.height for i in images)), "#7d7f82")
     left = 0
     for image in images:
         strip.paste(image, (left, 0), image)

@@ -53,7 +53,8 @@ KINDS = {
     ),
     "blocks": Kind(
         "Block energy error",
-        "The same over 16×16 pixels, where noise averages out. Local energy is the root mean "
+        "Light of 16×16 pixels, candidate over reference, minus 1: noise averages out. Red is too "
+        "bright, blue too dark. Local energy is the root mean "
         "square of these blocks: it cannot be passed by being too bright here and too dark there.",
         SIGNED,
     ),

@@ -248,7 +248,8 @@
     labels() {
       const view = this.stage.dataset.view;
       const named = { candidate: this.layer("candidate")?.name || this.chosen("technique"), truth: this.chosen("truth") };
-      const label = (kind) => `${kinds[kind].title} ${named[kind] ?? ""}`.trim();
+      // An outside renderer's technique is just `candidate`.
+      const label = (kind) => `${kinds[kind].title} ${named[kind] === kind ? "" : named[kind] ?? ""}`.trim();
       const [left, right] = this.stage.querySelectorAll(".named");
       const two = view === "slide" || view === "side";
       const alone = view === "blink" ? (this.flipped ? "truth" : "candidate") : view;

@@ -136,8 +136,15 @@ class State:
             self.technique = self.techniques[at % len(self.techniques)]
         else:
             shelves = {"material": materials(), "environment": environments(), "weight": WEIGHTS}
-            count = len(shelves[what]) + 1  # and the case's own
-            setattr(self, what, (getattr(self, what) + 1 + step) % count - 1)
+            count = len(shelves[what]) + 1  # and the case's own, which is passed over on the shelf
+            at = getattr(self, what)
+            setattr(self, what, -1)
+            own = self.case
+            for _ in range(count):
+                at = (at + 1 + step) % count - 1
+                setattr(self, what, at)
+                if at < 0 or self.case != own:
+                    break
         self.said = ""
 
     def home(self) -> None:
@@ -195,7 +202,7 @@ class State:
         """What is shown, in a few lines."""
         case = self.case
         things = ", ".join(
-            f"{o.material.name} {o.material.weight:g}" for o in case.objects if o.judged
+            f"{o.material.name} (weight {o.material.weight:g})" for o in case.objects if o.judged
         )
         lines = [
             f"{case.scene} in {case.environment.name}: {things}",
