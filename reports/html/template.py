@@ -12,7 +12,8 @@ from reports.html.numbers import prose
 
 HERE = Path(__file__).parent
 STYLES = "report.css", "viewer.css", "attack.css", "stability.css"
-SCRIPTS = "packing.js", "viewer.js", "finder.js", "report.js", "atlas.js"
+SCRIPTS = "packing.js", "painting.js", "loading.js", "viewer.js"
+SCRIPTS += "finder.js", "report.js", "atlas.js"
 
 
 def render(template: str, **shown: Any) -> str:

@@ -5,27 +5,6 @@
   const MAPS = ["blocks", "ssim", "flip"];
   const NEAR = 14; // pixels from the divider that take hold of it
   const SHARP = 3; // pixels of the screen per pixel, from which on their edges are shown
-  const FAINT = 0.01; // of an object's mean light: darker pixels are divided by that
-  const NO_NUMBER = [255, 0, 255];
-
-  // The text of a layer: in the page, or in a file beside it that a script element can read.
-  const loading = {};
-  globalThis.shadeproof = { layer: (id, text) => loading[id].resolve(text) };
-  function textOf(id) {
-    const element = document.getElementById(id);
-    if (element) return element.textContent;
-    if (!loading[id]) {
-      const promise = new Promise((resolve, reject) => {
-        loading[id] = { resolve };
-        const script = document.createElement("script");
-        script.src = `${document.body.dataset.layers}/${encodeURIComponent(id)}.js`;
-        script.onerror = () => reject(new Error(`its file is not in the folder ${document.body.dataset.layers} beside the page`));
-        document.head.append(script);
-      });
-      loading[id].promise = promise;
-    }
-    return loading[id].promise;
-  }
 
   class Viewer {
     constructor(section) {
@@ -73,7 +52,7 @@
       if (!layer) throw new Error("the run recorded none");
       if (layer.problem) throw new Error(layer.problem);
       if (!this.unpacked.has(layer.id)) {
-        const text = await textOf(layer.id);
+        const text = await layerText(layer.id);
         const radiance = ["candidate", "truth"].includes(layer.kind);
         const made = radiance ? packing.radiance(text, this.width, this.height) : packing.inflated(text);
         this.unpacked.set(layer.id, await made);
@@ -124,8 +103,10 @@
       const key = [kind, ...own.map((one) => one.layer.id), kind === "signed" || MAPS.includes(kind) ? "" : this.stops].join();
       if (this.drawn.has(key)) return this.drawn.get(key);
       const image = new ImageData(this.width, this.height);
-      const fill = { difference: this.difference, signed: this.signed }[kind] ?? (MAPS.includes(kind) ? this.placed : this.displayed);
-      fill.call(this, image.data, ...own, kind);
+      if (kind === "signed") painting.signed(image.data, ...own, read.objects?.numbers, kinds.signed);
+      else if (kind === "difference") painting.difference(image.data, ...own, this.scale);
+      else if (MAPS.includes(kind)) painting.placed(image.data, own[0].numbers, kinds[kind].palette);
+      else painting.displayed(image.data, own[0], this.scale);
       const canvas = document.createElement("canvas");
       [canvas.width, canvas.height] = [this.width, this.height];
       canvas.getContext("2d").putImageData(image, 0, 0);
@@ -136,63 +117,6 @@
 
     get scale() {
       return this.exposure * 2 ** this.stops;
-    }
-
-    displayed(to, { layer, numbers }) {
-      const colours = packing.displayed(layer.scale * this.scale);
-      for (let i = 0, j = 0; i < numbers.length; i += 3, j += 4) {
-        const known = Number.isFinite(packing.LINEAR[numbers[i]] + packing.LINEAR[numbers[i + 1]] + packing.LINEAR[numbers[i + 2]]);
-        for (let c = 0; c < 3; ++c) to[j + c] = known ? colours[numbers[i + c]] : NO_NUMBER[c];
-        to[j + 3] = 255;
-      }
-    }
-
-    difference(to, a, b) {
-      const { LINEAR, srgb } = packing;
-      for (let i = 0, j = 0; i < a.numbers.length; i += 3, j += 4) {
-        for (let c = 0; c < 3; ++c) {
-          const apart = Math.abs(LINEAR[a.numbers[i + c]] * a.layer.scale - LINEAR[b.numbers[i + c]] * b.layer.scale);
-          to[j + c] = Number.isFinite(apart) ? srgb(apart * this.scale) : NO_NUMBER[c];
-        }
-        to[j + 3] = 255;
-      }
-    }
-
-    signed(to, a, b) {
-      const { low, high, palette } = kinds.signed, last = palette.length - 1;
-      const objects = this.read.objects?.numbers;
-      const count = this.width * this.height;
-      // Of each object 1 % of its mean light is the least to divide by.
-      const sum = new Float64Array(256), pixels = new Float64Array(256);
-      for (let i = 0; objects && i < count; ++i) {
-        sum[objects[i]] += this.light(b, i);
-        pixels[objects[i]] += 1;
-      }
-      for (let i = 0; i < count; ++i) {
-        const object = objects?.[i] ?? 0;
-        if (!object) continue;
-        const truth = this.light(b, i);
-        const error = (this.light(a, i) - truth) / Math.max(truth, (FAINT * sum[object]) / pixels[object], 1e-30);
-        const share = Math.min(Math.max((error - low) / (high - low), 0), 1);
-        this.colour(to, i, Number.isNaN(error) ? 1 : 2 + Math.round(share * (last - 2)), palette);
-      }
-    }
-
-    placed(to, { numbers }, kind) {
-      for (let i = 0; i < numbers.length; ++i) this.colour(to, i, numbers[i], kinds[kind].palette);
-    }
-
-    colour(to, i, place, palette) {
-      if (place) [to[4 * i], to[4 * i + 1], to[4 * i + 2], to[4 * i + 3]] = [...palette[place], 255];
-    }
-
-    rgb({ layer, numbers }, i) {
-      return [0, 1, 2].map((c) => packing.LINEAR[numbers[3 * i + c]] * layer.scale);
-    }
-
-    light(picture, i) {
-      const [r, g, b] = this.rgb(picture, i);
-      return (r + g + b) / 3;
     }
 
     // Where pictures stand on the canvas: [kind, left, right, clip from, clip to].
@@ -291,11 +215,11 @@
       const set = (name, text) => (out.querySelector(`.${name}`).textContent = text);
       set("where", `x ${x}, y ${y}${object ? `, ${this.objects[object - 1]}` : ""}`);
       for (const kind of ["candidate", "truth"]) {
-        const rgb = read[kind] ? this.rgb(read[kind], i) : [NaN, NaN, NaN];
+        const rgb = read[kind] ? painting.rgb(read[kind], i) : [NaN, NaN, NaN];
         rgb.forEach((value, c) => set(`${kind}-${"rgb"[c]}`, digits(value)));
       }
       const both = read.candidate && read.truth;
-      const error = both ? this.light(read.candidate, i) / this.light(read.truth, i) - 1 : NaN;
+      const error = both ? painting.light(read.candidate, i) / painting.light(read.truth, i) - 1 : NaN;
       set("error", Number.isFinite(error) ? `${signedDigits(100 * error)} %` : "–");
       for (const kind of MAPS) {
         const place = read[kind]?.numbers[i] ?? 0, { low, high, palette } = kinds[kind];
