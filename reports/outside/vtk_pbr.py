@@ -60,7 +60,7 @@ def _scene(vtk, case: Case, light: np.ndarray):
 
 
 def _texture(vtk, light: np.ndarray):
-    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtk.util.numpy_support import numpy_to_vtk
 
     image = vtk.vtkImageData()
     image.SetDimensions(light.shape[1], light.shape[0], 1)
@@ -76,7 +76,7 @@ def _texture(vtk, light: np.ndarray):
 
 
 def _actor(vtk, obj: Object):
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+    from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
     mesh, material = world_mesh(obj), obj.material
     points = vtk.vtkPoints()
@@ -104,7 +104,7 @@ def _actor(vtk, obj: Object):
 
 def _pixels(vtk, window) -> np.ndarray:
     """What the window shows, (h, w, 3) uint8, row 0 on top."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtk.util.numpy_support import vtk_to_numpy
 
     grab = vtk.vtkWindowToImageFilter()
     grab.SetInput(window)
