@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from renderer.context import device
-from renderer.features import Technique
 from renderer.grid import grid_of
 from renderer.objects import culled, object_ids, placed, vertex_array
 from renderer.passes import Draw, Prepared, draw_frame
-from renderer.precompute import precomputed
+from renderer.precompute import Precomputed, precomputed
 from renderer.precompute.blurred import light_uniforms
 from renderer.program import Maps, program
 from renderer.shading import Shading
 from renderer.targets import Rectangle, make_target, within
+from renderer.techniques import Technique
 from renderer.transport.exchange import exchange
 from renderer.transport.placed import Placed, placed_meshes
 from renderer.transport.received import received
@@ -71,9 +71,7 @@ class Renderer:
         """
         if what := self.technique.cannot_draw(case.model, [o.material for o in case.objects]):
             raise ValueError(f"'{self.technique.name}' cannot draw {what}")
-        environment = precomputed(case.environment.path)
-        read = {m for o in case.objects for m in self.technique.maps(o.material, case.model)}
-        environment.need(sorted(read))
+        environment, read = self.environment(case)
         start = perf_counter()
         part = part or (0, 0, case.width, case.height)
         prepared = self.prepare(case, environment.maps, part)
@@ -96,6 +94,13 @@ class Renderer:
         }
         seconds = median(times) if times else preparation
         return Frame(np.ascontiguousarray(rgb), object_ids(case, part), seconds, provenance)
+
+    def environment(self, case: Case) -> tuple[Precomputed, set[str]]:
+        """A case's environment with every map that the technique reads, and their names."""
+        environment = precomputed(case.environment.path)
+        read = {m for o in case.objects for m in self.technique.maps(o.material, case.model)}
+        environment.need(sorted(read))
+        return environment, read
 
     def prepare(
         self, case: Case, maps: Maps, part: Rectangle | None = None, lit: Lit | None = None

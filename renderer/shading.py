@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from renderer.context import context
-from renderer.features import FINE, GROUP, LOST_LIGHT, Technique, features, split_samples
+from renderer.features import LOST_LIGHT, features, split_samples
 from renderer.precompute import texture
 from renderer.precompute.brdf_table import smith_table
 from renderer.precompute.lost_light import LostLight, lost_light
@@ -16,6 +16,7 @@ from renderer.precompute.prefilter import LEVELS
 from renderer.precompute.split import LAYERS
 from renderer.program import Maps, program
 from renderer.surface import material_rows, surface_uniforms, varying_uniforms
+from renderer.techniques import FINE, GROUP, Technique
 from scenes.schema import Case, Material, Object
 from scenes.surface import finest_alpha, plain
 

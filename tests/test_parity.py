@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from reference.batches import PathTracer
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.compare import Truth, exposures_of
 from reports.metrics.energy import energy_error
 from reports.metrics.subject import Subject

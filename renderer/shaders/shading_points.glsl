@@ -4,7 +4,7 @@
 // A pixel's shading points: one for all coverage samples whose normals are alike; else one for each or,
 // in a square, for each group of those that are.
 #ifdef GROUPED
-const int GROUP = 4; // times as many points at each step, as in renderer/features.py
+const int GROUP = 4; // times as many points at each step, as in renderer/techniques.py
 uniform int least_points; // powers of it
 uniform int most_points;
 

@@ -8,8 +8,8 @@ import numpy as np
 from reference.batches import grow, truth_of
 from reference.store import Store
 from renderer.draw import Renderer
-from renderer.features import Technique, switched
 from renderer.objects import object_ids
+from renderer.techniques import Technique, switched
 from reports import gate, parity
 from reports.candidates import CandidateError
 from reports.compare import Truth, exposures_of

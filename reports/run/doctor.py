@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.candidates import Candidate, CandidateError
 from reports.display import FAINTEST
 from reports.doctor.diagnosis import Diagnosis, diagnose

@@ -12,7 +12,7 @@ from pathlib import Path
 from reference.executor import check_address, connect
 from reference.settings import TRUTHS, Kind
 from renderer.draw import REPEATS
-from renderer.features import technique
+from renderer.techniques import technique
 from reports import gate
 from reports.candidates import Candidate
 from reports.ladder import MODEL_STEPS

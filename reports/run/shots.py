@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from renderer.draw import Renderer
-from renderer.features import Technique, technique
+from renderer.techniques import Technique, technique
 from reports.candidates import Candidate
 from reports.ladder import MODEL_STEPS
 from scenes.schema import PHYSICAL, Case, Model, model_steps

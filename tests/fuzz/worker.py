@@ -76,7 +76,7 @@ def _run(words: list[str]) -> int:
 def _draw() -> None:
     """Draw a suite's first case by a technique, small; fail where a pixel is no light."""
     from renderer.draw import Renderer
-    from renderer.features import technique
+    from renderer.techniques import technique
     from scenes.suite import expand, load_suite
 
     case = expand(*load_suite(sys.argv[1]))[0].case.model_copy(update={"width": 24, "height": 18})

@@ -9,12 +9,12 @@ from scipy import ndimage
 
 from reference.batches import render_batch
 from renderer.draw import Renderer
-from renderer.features import Technique, technique
 from renderer.objects import object_ids, placed, vertex_array
 from renderer.precompute import precomputed
 from renderer.precompute.brdf_table import smith_table
 from renderer.program import program, set_uniforms
 from renderer.targets import make_target
+from renderer.techniques import Technique, technique
 from renderer.view import view
 from reports.stability.oracle import oracle
 from scenes.mesh import world_mesh

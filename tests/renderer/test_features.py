@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from renderer.features import WITHOUT, features, split_samples, technique
+from renderer.features import features, split_samples
+from renderer.techniques import WITHOUT, technique
 from scenes.schema import PAPER, PHYSICAL, Maps, Material, Model, model_steps
 
 COMPENSATED = Model(fresnel="exact", kd="conserving", masking="smith", multiscatter="on")

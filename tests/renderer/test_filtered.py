@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from renderer.draw import Renderer
-from renderer.features import technique
 from renderer.precompute import precomputed
 from renderer.probe import probe
+from renderer.techniques import technique
 from reports.run.stability.sides import shader
 from reports.stability import oracle
 from scenes.schema import Camera, Environment, Material

@@ -6,11 +6,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-import renderer.features as features
+import renderer.techniques as techniques
 from renderer.draw import Renderer
-from renderer.features import technique
 from renderer.grid import MOST_SAMPLES, grid_of
 from renderer.probe import probe
+from renderer.techniques import technique
 from renderer.view import view
 from scenes.schema import Camera, Material
 from scenes.suite import HERE
@@ -100,10 +100,10 @@ def test_a_picture_in_turns_is_the_picture(monkeypatch, light, make_case):
     case = make_case(light(sky), *pair, size=(32, 24))
     how = technique("best")
     assert grid(case) == 4
-    monkeypatch.setattr(features.Technique, "least_points", lambda *_: 4)  # for either
+    monkeypatch.setattr(techniques.Technique, "least_points", lambda *_: 4)  # for either
     in_turns = Renderer(how, repeats=0).render(case).rgb
     assert replace(how, grid=4).turns(SILVER) == 4
-    monkeypatch.setattr(features, "PASS_RAYS", 1 << 10)
+    monkeypatch.setattr(techniques, "PASS_RAYS", 1 << 10)
     assert replace(how, grid=4).turns(SILVER) == 1
     at_once = Renderer(how, repeats=0).render(case).rgb
     np.testing.assert_allclose(in_turns, at_once, rtol=1e-5, atol=1e-7)
@@ -128,10 +128,10 @@ def test_turns_hold_every_shading_point_once_and_few_rays():
                     assert [i for one in told for i in one] == list(range(points))
                     if how.traces(metal):
                         rays = max(len(one) for one in told) * how.per_point(metal, points)
-                        assert rays <= features.PASS_RAYS
-                        fewest = min(how.coverage, how.samples, features.FEWEST_RAYS)
+                        assert rays <= techniques.PASS_RAYS
+                        fewest = min(how.coverage, how.samples, techniques.FEWEST_RAYS)
                         assert how.per_point(metal, points) * points >= fewest
-                    points *= features.GROUP
+                    points *= techniques.GROUP
 
 
 def test_a_pixel_is_shaded_in_as_few_points_as_its_normals_ask(monkeypatch, light, make_case):
@@ -142,7 +142,7 @@ def test_a_pixel_is_shaded_in_as_few_points_as_its_normals_ask(monkeypatch, ligh
     how = technique("filtered")
     assert grid(case) == 4
     grouped = Renderer(how, repeats=0).render(case)
-    monkeypatch.setattr(features.Technique, "grouped", False)
+    monkeypatch.setattr(techniques.Technique, "grouped", False)
     each = Renderer(how, repeats=0).render(case).rgb
     off = (grouped.rgb - each)[grouped.ids > 0] / each.mean()
     assert 1e-6 < np.abs(off).mean() < 0.007

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from renderer.draw import Renderer
-from renderer.features import technique
 from renderer.targets import make_target, within
+from renderer.techniques import technique
 from scenes.schema import Material
 
 PLASTIC = Material(albedo=(0.6, 0.3, 0.05), roughness=0.6, metallic=0.0, weight=0.5)

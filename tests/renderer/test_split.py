@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from scenes.schema import Material, Model
 from scenes.suite import HERE
 

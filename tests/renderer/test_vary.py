@@ -7,9 +7,10 @@ import OpenImageIO as oiio
 import pytest
 
 from renderer.draw import Renderer
-from renderer.features import LOBES, VARYING, features, technique
+from renderer.features import LOBES, VARYING, features
 from renderer.precompute import texture
 from renderer.precompute.texture import _cell_means, _pyramid
+from renderer.techniques import technique
 from renderer.transport.placed import placed_meshes
 from renderer.transport.tessellation import tessellate, untouched
 from scenes.schema import Camera, Maps, Material, Model, Object

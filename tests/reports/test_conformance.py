@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from renderer import precompute
-from renderer.features import technique
+from renderer.techniques import technique
 from reports import gate, parity
 from reports.conformance.kernels import cumulated, lambert, reflected
 from reports.conformance.light import Light

@@ -3,8 +3,8 @@
 import pytest
 
 from renderer import precompute
-from renderer.features import technique
 from renderer.precompute import brdf_table, irradiance, prefilter
+from renderer.techniques import technique
 from reports.conformance import documented
 from reports.conformance.light import Light
 from reports.run.conformance.maps import of_maps, of_sizes

@@ -3,9 +3,9 @@
 import pytest
 
 from renderer import precompute
-from renderer.features import technique
 from renderer.precompute import blurred, split
 from renderer.program import program
+from renderer.techniques import technique
 from reports.run.conformance.filtered import (
     of_filtered_light,
     of_filtered_samples,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.candidates import CandidateError
 from reports.doctor.mistakes import MISTAKES, gained, turned
 from reports.doctor.scenes import CASES, doctor_cases

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.progress import reporting
 from reports.run.bench import growth
 from reports.run.bench.growth import STEPS, Sizes, grown

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.limits.known_errors import known_errors, tilted
 from scenes.mesh import load_mesh
 from scenes.suite import expand, load_suite

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.stats import norm
 
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.compare import Truth, exposures_of
 from reports.limits.detection import draws
 from reports.limits.known_errors import known_errors

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from renderer import features
-from renderer.features import LOBES, technique
+from renderer.features import LOBES
+from renderer.techniques import technique
 from reports.run.bench import needs
 from reports.run.bench.needs import left_out, relmse
 from scenes.schema import Camera, Case, Environment, Object

@@ -3,7 +3,7 @@
 import pytest
 import trimesh
 
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.candidates import Folder
 from reports.gate import judged_against
 from reports.ladder import MODEL_STEPS, RUNGS

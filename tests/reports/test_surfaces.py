@@ -7,7 +7,7 @@ import pytest
 
 from reference.truths import stage
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.metrics.energy import block_sums
 from scenes.schema import Camera, Case, Environment, Maps, Material, Object
 from scenes.suite import HERE

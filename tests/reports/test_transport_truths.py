@@ -6,7 +6,7 @@ import pytest
 
 from reference.batches import render_batch, truth_of
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.compare import Truth, compare, exposures_of
 from reports.metrics import JUDGED
 from scenes.schema import Camera, Case, Environment, Material, Object

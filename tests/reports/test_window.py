@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.run.job import Job
 from reports.run.window.state import WEIGHTS, State, environments, materials
 

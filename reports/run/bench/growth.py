@@ -14,9 +14,9 @@ import trimesh
 
 from renderer.context import context
 from renderer.draw import Renderer
-from renderer.features import Technique, technique
 from renderer.passes import Prepared, draw_frame
 from renderer.precompute import Precomputed, precomputed
+from renderer.techniques import Technique, technique
 from reports.progress import Reporter
 from reports.run.bench.memory import growing
 from reports.speed.growth import grows

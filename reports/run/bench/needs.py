@@ -15,10 +15,11 @@ import numpy as np
 
 from renderer.context import context
 from renderer.draw import Renderer
-from renderer.features import LOBES, Feature, Technique, technique
+from renderer.features import LOBES, Feature
 from renderer.glsl import source
 from renderer.passes import Prepared, draw_frame
 from renderer.precompute import Precomputed, precomputed
+from renderer.techniques import Technique, technique
 from reports.noise import quantile
 from reports.run.bench.measured import timed
 from reports.speed.points import LeftOut

@@ -19,8 +19,8 @@ from time import perf_counter
 
 from renderer.context import context, device
 from renderer.draw import Prepared, Renderer, draw_frame
-from renderer.features import Technique, technique
 from renderer.precompute import Precomputed, precomputed
+from renderer.techniques import Technique, technique
 from reports.run.bench.memory import growing, held_bytes
 from reports.run.bench.way import Cost, Way, changed
 from reports.speed.points import Change

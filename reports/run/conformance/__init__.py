@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from renderer.features import Technique, technique
 from renderer.precompute import precomputed
+from renderer.techniques import Technique, technique
 from reports.conformance.light import Light
 from reports.conformance.result import Conformance
 from reports.run.conformance.filtered import (

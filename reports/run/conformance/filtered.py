@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from renderer.features import Technique, features, split_samples
+from renderer.features import features, split_samples
 from renderer.precompute import BASE, precomputed
 from renderer.precompute.blurred import levels_of as levels_of_lights
 from renderer.precompute.blurred import light_uniforms
 from renderer.precompute.lights import extract, texel_angles
 from renderer.probe import probe
+from renderer.techniques import Technique
 from reports.conformance.kernels import fourth_order
 from reports.conformance.light import Light, direction
 from reports.conformance.result import Conformance

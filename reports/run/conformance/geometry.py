@@ -7,10 +7,10 @@ from scipy import ndimage
 
 from renderer.context import context
 from renderer.draw import Renderer
-from renderer.features import technique
 from renderer.objects import placed
 from renderer.program import program, set_uniforms
 from renderer.targets import release
+from renderer.techniques import technique
 from renderer.view import view
 from reports.conformance.result import Conformance
 from reports.run.conformance.shared import filled, measured, relative

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from renderer.features import Technique, features, split_samples
+from renderer.features import features, split_samples
 from renderer.probe import probe
+from renderer.techniques import Technique
 from reports.conformance.kernels import cumulated
 from reports.conformance.result import Conformance
 from reports.run.conformance.shared import MATERIAL, UNIFORMS, measured, uniforms_of

@@ -4,10 +4,11 @@ from collections.abc import Collection
 
 import numpy as np
 
-from renderer.features import Technique, features
+from renderer.features import features
 from renderer.precompute import BASE, brdf_table, precomputed
 from renderer.precompute.prefilter import LEVELS
 from renderer.probe import brdf_values, probe
+from renderer.techniques import Technique
 from reports.conformance.light import latlong
 from reports.conformance.result import Conformance
 from reports.conformance.split_sum import split_sum

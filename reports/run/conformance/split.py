@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from renderer.features import Technique, features
+from renderer.features import features
 from renderer.precompute import BASE, brdf_table, precomputed
 from renderer.precompute.split import LAYERS
 from renderer.probe import probe
+from renderer.techniques import Technique
 from reports.conformance.kernels import lambert, reflected
 from reports.conformance.light import Light, direction, latlong
 from reports.conformance.result import Conformance

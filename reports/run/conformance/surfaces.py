@@ -3,8 +3,8 @@
 import numpy as np
 
 from renderer.draw import Renderer
-from renderer.features import technique
 from renderer.precompute import precomputed
+from renderer.techniques import technique
 from reports.conformance.result import Conformance
 from reports.run.conformance.shared import measured, uniforms_of
 from scenes.schema import Case

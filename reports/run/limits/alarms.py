@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from renderer.draw import Renderer
-from renderer.features import Technique
+from renderer.techniques import Technique
 from reports.limits.detection import CAUGHT, INCONCLUSIVE, share_interval
 from reports.limits.results import FalseAlarms
 from reports.progress import reporting

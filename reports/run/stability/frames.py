@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter, minimum_filter
 
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from reports.progress import reporting
 from reports.stability.hard import hard_cases
 from reports.stability.hard.case import TECHNIQUES, Draw, Hard, off

@@ -11,9 +11,8 @@ import numpy as np
 from reference.batches import truth_of
 from reference.store import Store
 from renderer.draw import Lit, Prepared, Renderer
-from renderer.features import TECHNIQUES, technique
 from renderer.passes import draw_frame
-from renderer.precompute import precomputed
+from renderer.techniques import TECHNIQUES, technique
 from reports.display import exposure_for
 from reports.run.job import Job
 from scenes.environment import FORMATS
@@ -185,9 +184,7 @@ class State:
 
     def _prepared(self, renderer: Renderer, case: Case) -> Prepared:
         """The case ready to be drawn; the light in it is kept while only the camera moves."""
-        environment = precomputed(case.environment.path)
-        read = {m for o in case.objects for m in renderer.technique.maps(o.material, case.model)}
-        environment.need(sorted(read))
+        environment, _ = renderer.environment(case)
         still = case.model_copy(update={"camera": self.original.camera})
         still = still.model_copy(update={"width": 1, "height": 1})
         key = f"{renderer.technique.name} {still.model_dump_json()}"

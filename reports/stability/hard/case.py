@@ -15,7 +15,7 @@ Part = tuple[int, int, int, int]  # left, bottom, width and height in pixels
 Draw = Callable[..., Frame]  # (case, part=None): with one technique
 Expect = Callable[[Draw, Path], np.ndarray]  # the picture to hold against, (H, W, 3)
 
-# Every case is drawn with all of them, in the words of `renderer.features.technique`.
+# Every case is drawn with all of them, in the words of `renderer.techniques.technique`.
 QUICK = ("paper", "paper-noaa", "sampled", "sampled@1", "split", "filtered")
 TECHNIQUES = (*QUICK, "best")  # which bakes every scene
 FLOAT = 1e-5  # a picture's rounding errors; its coordinates have 24 bits, and lobes magnify them

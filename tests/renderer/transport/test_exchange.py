@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from renderer.draw import Renderer
-from renderer.features import technique
 from renderer.precompute import precomputed
 from renderer.probe import brdf_values, probe
 from renderer.shading import Shading
+from renderer.techniques import technique
 from renderer.transport.exchange import MOST_KEPT, _ahead
 from renderer.transport.scene import scene_geometry
 from renderer.transport.tessellation import tessellate

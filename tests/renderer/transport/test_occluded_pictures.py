@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from renderer.draw import Renderer
-from renderer.features import technique
+from renderer.techniques import technique
 from scenes.schema import Camera, Material, Model
 
 WHITE = Material(albedo=(1.0, 1.0, 1.0), f0=0.0, roughness=0.5, metallic=0.0)
