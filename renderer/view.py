@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 from trimesh.triangles import closest_point
 
+from scenes.camera import axes, half_extents
 from scenes.mesh import load_mesh, placement
 from scenes.schema import Case, Object
 
@@ -32,22 +33,18 @@ class View:
 
 def view(case: Case) -> View:
     """The case's camera, with depth planes that just hold what can be seen."""
-    camera = case.camera
-    eye = np.asarray(camera.origin)
-    forward = _unit(np.asarray(camera.target) - eye)
-    right = _unit(np.cross(forward, camera.up))
-    up = np.cross(right, forward)
-    tangent = np.tan(np.radians(camera.fov) / 2)
-    aspect = case.width / case.height
-    near, far = _depth_planes(case, eye, forward, np.hypot(1, tangent * np.hypot(1, aspect)))
+    eye = np.asarray(case.camera.origin)
+    right, up, forward = axes(case.camera)
+    wide, high = half_extents(case)
+    near, far = _depth_planes(case, eye, forward, np.hypot(1, np.hypot(wide, high)))
     look = np.eye(4)
     look[:3, :3] = [right, up, -forward]
     look[:3, 3] = -look[:3, :3] @ eye
     lens = np.zeros((4, 4))
-    lens[0, 0], lens[1, 1] = 1 / (tangent * aspect), 1 / tangent
+    lens[0, 0], lens[1, 1] = 1 / wide, 1 / high
     lens[2, 2:] = (far + near) / (near - far), 2 * far * near / (near - far)
     lens[3, 2] = -1
-    return View(lens @ look, eye, forward, right * tangent * aspect, up * tangent)
+    return View(lens @ look, eye, forward, right * wide, up * high)
 
 
 def inside(obj: Object, eye: np.ndarray) -> bool:
@@ -121,7 +118,3 @@ def corners(obj: Object) -> np.ndarray:
 def _box(mesh: str) -> tuple[np.ndarray, np.ndarray]:
     points = load_mesh(mesh).vertices.astype(float)
     return points.min(axis=0), points.max(axis=0)
-
-
-def _unit(v: np.ndarray) -> np.ndarray:
-    return v / np.linalg.norm(v)

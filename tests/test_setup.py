@@ -37,7 +37,9 @@ def test_pins_name_no_download_address():
 
 def test_pins_satisfy_pyproject():
     pinned = dict(re.findall(r"^([a-z0-9-]+)==(\S+)", PINS, re.MULTILINE))
-    for requirement in [*DECLARED, *map(Requirement, PROJECT["dependency-groups"]["dev"])]:
+    extras = PROJECT["project"]["optional-dependencies"]
+    asked = [*extras["renderer"], *extras["reference"], *PROJECT["dependency-groups"]["dev"]]
+    for requirement in [*DECLARED, *map(Requirement, asked)]:
         version = pinned.get(canonicalize_name(requirement.name))
         assert version, f"requirements.txt lacks {requirement.name}"
         assert requirement.specifier.contains(version), f"{requirement}, but {version} is pinned"

@@ -14,6 +14,10 @@ from reports.cli.app import app, when_interrupted
 from scenes.errors import InputError
 from scenes.words import SEE, first_mistake
 
+# By package, the extra that brings it.
+EXTRAS = {"moderngl": "renderer", "mitsuba": "reference", "drjit": "reference"}
+EXTRAS |= {"moderngl_window": "window"}
+
 
 def main() -> None:
     """Entry point: every failure that is not a verdict ends in one line and exit code 2."""
@@ -44,6 +48,8 @@ def main() -> None:
         remedy = "take smaller pictures, meshes or environments, or a larger machine"
         _fail(str(InputError("memory", "", "there is not enough of it", remedy)))
     except Exception as error:
+        if isinstance(error, ModuleNotFoundError) and (lack := _lacking(error)):
+            _fail(str(lack))
         if asked:  # an interrupted import fails as it likes
             _interrupted()
         traceback.print_exc()
@@ -70,6 +76,15 @@ def _refused(error: typer.TyperException) -> InputError:
         _, problem, right = first_mistake(error.__cause__)
         return InputError(where, "", problem.rstrip("."), remedy if right == SEE else right)
     return InputError(where, "", (error.message or "is missing").rstrip("."), remedy)
+
+
+def _lacking(error: ModuleNotFoundError) -> InputError | None:
+    """A package of an extra that is not installed, told with its remedy; None for any other."""
+    package = (error.name or "").partition(".")[0]
+    if package not in EXTRAS:
+        return None
+    remedy = f"pip install 'shadeproof[{EXTRAS[package]}]'"
+    return InputError("package", package, "is not installed", remedy)
 
 
 def _fail(text: str) -> NoReturn:

@@ -9,11 +9,7 @@ from scenes.errors import InputError
 @takes_job("suite", "filter", "store")
 def view(job) -> None:
     """Look around in a suite's cases, live: orbit, change what is drawn, toggle the reference."""
-    try:
-        from reports.run.window.show import KEYS, OTHERS, show
-    except ImportError as error:
-        remedy = "pip install 'shadeproof[window]'"
-        raise InputError("view", "", f"needs a package: {error}", remedy) from error
+    from reports.run.window.show import KEYS, OTHERS, show
     from reports.run.window.state import State
 
     for key, _, told in KEYS:

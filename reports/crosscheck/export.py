@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from scenes.camera import camera_to_world
 from scenes.environment import load_environment
 from scenes.errors import InputError
 from scenes.mesh import world_mesh
-from scenes.schema import Camera, Case, Object
+from scenes.schema import Case, Object
 
 # Below this, an interface is there for form only: `roughplastic` refuses an index of exactly 1,
 # and with 1.0001 (F0 2.5e-9) it is Lambertian within .02 % up to 84 degrees.
@@ -35,23 +36,12 @@ def write_scene(case: Case, folder: Path) -> None:
         "width": case.width,
         "height": case.height,
         "fov": case.camera.fov,
-        "camera": camera_matrix(case.camera).tolist(),
+        "camera": camera_to_world(case.camera).tolist(),
         "environment": environment_mapping(len(arrays["environment"]), case.environment.rotation),
         "materials": [cycles_material(obj) for obj in case.objects],
     }
     np.savez(folder / "scene.npz", **arrays)
     (folder / "scene.json").write_text(json.dumps(scene))
-
-
-def camera_matrix(camera: Camera) -> np.ndarray:
-    """Camera to world, (4, 4): Blender's camera looks along -z with y up."""
-    forward = np.subtract(camera.target, camera.origin)
-    forward /= np.linalg.norm(forward)
-    right = np.cross(forward, camera.up)
-    right /= np.linalg.norm(right)
-    matrix = np.eye(4)
-    matrix[:3] = np.column_stack([right, np.cross(right, forward), -forward, camera.origin])
-    return matrix
 
 
 def environment_mapping(rows: int, rotation: float) -> dict[str, float]:

@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 from trimesh.visual.material import PBRMaterial
 
+from scenes.camera import camera_to_world
 from scenes.mesh import world_mesh
 from scenes.schema import Case, Material, Object
 
@@ -82,23 +83,14 @@ def _complete(told: dict, material: Material) -> None:
 
 def _add_camera(tree: dict, case: Case) -> None:
     """The camera as a node of its own, in glTF's space."""
-    eye, target, up = (
-        np.array(v, float) for v in (case.camera.origin, case.camera.target, case.camera.up)
-    )
-    back = eye - target
-    back /= np.linalg.norm(back)
-    right = np.cross(up, back)
-    right /= np.linalg.norm(right)
-    pose = np.eye(4)
-    pose[:3, :4] = np.stack([right, np.cross(back, right), back, eye], axis=1)
-    pose = Y_UP @ pose
+    pose = Y_UP @ camera_to_world(case.camera)
     tree["cameras"] = [
         {
             "type": "perspective",
             "perspective": {
                 "yfov": math.radians(case.camera.fov),
                 "aspectRatio": case.width / case.height,
-                "znear": 1e-3 * float(np.linalg.norm(eye - target)),
+                "znear": 1e-3 * math.dist(case.camera.origin, case.camera.target),
             },
         }
     ]

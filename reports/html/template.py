@@ -11,6 +11,7 @@ from markupsafe import Markup
 from reports.html.numbers import prose
 
 HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
 STYLES = "report.css", "viewer.css", "attack.css", "stability.css"
 SCRIPTS = "packing.js", "painting.js", "loading.js", "viewer.js"
 SCRIPTS += "finder.js", "report.js", "atlas.js"
@@ -30,10 +31,12 @@ def render(template: str, **shown: Any) -> str:
 
 
 def pasted(text: str) -> str:
-    """A command, or a sentence with one in backticks, as it runs in the project's root.
+    """A command, or a sentence with one in backticks, as it runs where this is installed.
 
-    `make` leaves the program in .venv and on no PATH.
+    In a checkout `make` leaves the program in .venv and on no PATH.
     """
+    if not (ROOT / "Makefile").is_file():
+        return text
     return re.sub(r"(^|`)shadeproof(?= )", r"\1.venv/bin/shadeproof", text)
 
 

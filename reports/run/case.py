@@ -7,8 +7,6 @@ import numpy as np
 
 from reference.batches import grow, truth_of
 from reference.store import Store
-from renderer.draw import Renderer
-from renderer.objects import object_ids
 from renderer.techniques import Technique, switched
 from reports import gate, parity
 from reports.candidates import CandidateError
@@ -20,7 +18,8 @@ from reports.rows import Picture, judged_rows, measured_further
 from reports.run.job import Job, Source
 from reports.run.makers import Makers
 from reports.run.own_truths import own_batches
-from reports.run.shots import Shot
+from reports.run.shots import Shot, ours
+from scenes.camera import seen_objects
 from scenes.errors import InputError
 from scenes.frame import Frame, save_frame
 from scenes.schema import Case
@@ -167,7 +166,7 @@ def _drawn(job: Job, shot: Shot, frames: dict[str, Frame]) -> Drawn:
         return Drawn(frames[shot.name].rgb)
 
     def picture(how: Technique) -> np.ndarray:
-        return Renderer(how, repeats=0).render(shot.case).rgb
+        return ours(how, timed=False).render(shot.case).rgb
 
     how = shot.candidate.technique
     whole = frames[shot.name].rgb if shot.name in frames else picture(how)
@@ -177,7 +176,7 @@ def _drawn(job: Job, shot: Shot, frames: dict[str, Frame]) -> Drawn:
 
 def _check_visible(case: Case, path: Path) -> None:
     """Refuse a judged object that nobody can see, before anything is traced for it."""
-    ids = object_ids(case)
+    ids = seen_objects(case)
     for obj in case.judged:
         if not (ids == case.index(obj.name)).any():
             problem = f"covers no pixel of {case.id}"

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from reference.pack import EPOCH
-from reference.scene_xml import write_scene_xml
 from reports.export.gltf import write_gltf
 from reports.run.job import Job, make_folder
 from scenes.environment import load_environment
@@ -39,11 +38,9 @@ def _export(case: Case, folder: Path) -> tuple[Path, str]:
         (root / "mitsuba").mkdir()
         (root / "case.json").write_text(_portable(case, root).model_dump_json(indent=1) + "\n")
         write_gltf(case, root / "scene.gltf")
-        try:
-            write_scene_xml(case, root / "mitsuba")
-        except InputError as error:
+        if problem := _write_xml(case, root / "mitsuba"):
             shutil.rmtree(root / "mitsuba")
-            lacks = f"no Mitsuba XML: {error.problem}"
+            lacks = f"no Mitsuba XML: {problem}"
         about = read_text(ABOUT, "").replace("{case}", case.id)
         (root / "README.txt").write_text(about + (f"\nThis case has {lacks}\n" if lacks else ""))
         path = folder / f"{case.id}.zip"
@@ -54,6 +51,19 @@ def _export(case: Case, folder: Path) -> tuple[Path, str]:
                 info.compress_type = zipfile.ZIP_DEFLATED
                 packed.writestr(info, file.read_bytes())
     return path, lacks
+
+
+def _write_xml(case: Case, folder: Path) -> str:
+    """Write Mitsuba's XML; why there is none, empty where there is."""
+    try:
+        from reference.scene_xml import write_scene_xml  # late: all else needs no path tracer
+
+        write_scene_xml(case, folder)
+    except InputError as error:
+        return error.problem
+    except ModuleNotFoundError as error:
+        return f"the package {error.name} is not installed"
+    return ""
 
 
 def _portable(case: Case, root: Path) -> Case:

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from reference.executor import check_address, connect
 from reference.settings import TRUTHS, Kind
-from renderer.draw import REPEATS
 from renderer.techniques import technique
 from reports import gate
 from reports.candidates import Candidate
@@ -133,8 +132,8 @@ class Job:
         if self.outside:
             shot = Shot(OUTSIDE, self.outside, entry.case)
             return {OUTSIDE: dict.fromkeys(truths, shot)}
-        repeats = 0 if self.verdict_only else REPEATS
-        return {name: shots(name, entry.case, truths, repeats) for name in entry.techniques}
+        timed = not self.verdict_only
+        return {name: shots(name, entry.case, truths, timed) for name in entry.techniques}
 
     def pictures(self, entry: Entry) -> dict[str, Shot]:
         """Every picture that is drawn of an entry's case, by name."""

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from reference.settings import TRUTHS
-from renderer.objects import object_ids
+from scenes.camera import seen_objects
 from scenes.environment import read_pixels
 from scenes.errors import InputError
 from scenes.frame import Frame
@@ -22,7 +22,7 @@ def restricted(entry: Entry, folder: Path) -> Entry:
     Raises:
         InputError: it holds none of them.
     """
-    there = tuple(t for t in entry.truths if _files(folder, entry.case, t))
+    there = tuple(t for t in entry.truths if own_files(folder, entry.case, t))
     if not there:
         problem = f"holds no batch of {', '.join(entry.truths)} of {entry.case.id}"
         remedy = f"put EXRs into {entry.case.id} (for `{OWN}`), or {entry.case.id}/<truth>"
@@ -38,9 +38,9 @@ def own_batches(folder: Path, case: Case, truth: str) -> list[Frame]:
     Raises:
         InputError: a file is no picture of the case's size, or a value in it is no light.
     """
-    ids = object_ids(case)
+    ids = seen_objects(case)
     batches = []
-    for path in _files(folder, case, truth):
+    for path in own_files(folder, case, truth):
         rgb = read_pixels(path, "reference", (case.width, case.height))
         if bad := int((~(np.isfinite(rgb) & (rgb >= 0))).any(axis=2).sum()):
             problem = f"holds NaN, Inf or light below zero in {bad} pixels"
@@ -50,7 +50,8 @@ def own_batches(folder: Path, case: Case, truth: str) -> list[Frame]:
     return batches
 
 
-def _files(folder: Path, case: Case, truth: str) -> list[Path]:
+def own_files(folder: Path, case: Case, truth: str) -> list[Path]:
+    """The EXRs of a truth of a case, in order; none if the folder has no such truth."""
     own = folder / case.id
     found = sorted((own / truth).glob("*.exr"))
     return found or (sorted(own.glob("*.exr")) if truth == OWN else [])

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from renderer.draw import Renderer
 from renderer.techniques import Technique, technique
 from reports.candidates import Candidate
 from reports.ladder import MODEL_STEPS
@@ -25,24 +24,34 @@ class Shot:
     case: Case
 
 
-def shots(name: str, case: Case, truths: Iterable[str], repeats: int) -> dict[str, Shot]:
+def shots(name: str, case: Case, truths: Iterable[str], timed: bool) -> dict[str, Shot]:
     """What a technique draws to stand against each of some truths; of one name if it is the same.
 
     Args:
         truths: by name; under the names in MODEL_STEPS those of the models on the way to PHYSICAL.
-        repeats: as of Renderer.
+        timed: whether each is drawn until its time is known.
     """
     base = technique(name)
-    return {t: _shot(base, base.matched(t), case, t, repeats) for t in truths}
+    return {t: _shot(base, base.matched(t), case, t, timed) for t in truths}
 
 
-def _shot(base: Technique, how: Technique, case: Case, truth: str, repeats: int) -> Shot:
+def _shot(base: Technique, how: Technique, case: Case, truth: str, timed: bool) -> Shot:
     model = drawn_model(base, case.model, truth)
     if model == case.model:
         label = base.name if how == base else f"{base.name}.{truth}"
-        return Shot(label, Renderer(how, repeats), case)
+        return Shot(label, ours(how, timed), case)
     label = f"{base.name}.{'physical' if model == PHYSICAL else truth}"
-    return Shot(label, Renderer(how, repeats), case.model_copy(update={"model": model}))
+    return Shot(label, ours(how, timed), case.model_copy(update={"model": model}))
+
+
+def ours(how: Technique, timed: bool) -> Candidate:
+    """Our own renderer.
+
+    It is imported here, when it draws: what others drew is measured where there is no OpenGL.
+    """
+    from renderer.draw import REPEATS, Renderer
+
+    return Renderer(how, REPEATS if timed else 0)
 
 
 def drawn_model(base: Technique, model: Model, truth: str) -> Model:

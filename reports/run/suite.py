@@ -10,12 +10,10 @@ from reports import gate, parity
 from reports.progress import reporting
 from reports.results import CaseRecord, Ladder, Results, Row
 from reports.run.case import run_entry
-from reports.run.conformance import conformance
 from reports.run.job import Job, make_folder
 from reports.run.makers import Makers
 from reports.run.provenance import provenance
 from reports.run.shipped import need_stored
-from reports.run.stability.materials import beside_oracle
 from reports.run.tracing import trace_ahead
 
 JUDGED_BY = ("scikit-image", "flip-evaluator")
@@ -50,9 +48,7 @@ def run(job: Job) -> Results:
             rows += made
             ladders += causes
     if not job.outside:
-        surfaces = {(o.material, e.case.model) for e in job.entries for o in e.case.judged}
-        checks.shaders += [beside_oracle(*s) for s in surfaces]
-        checks.definitions += conformance(job.entries)
+        _check_ours(job, checks)
     results = Results(
         suite=job.path.stem,
         suite_path=str(job.path),
@@ -60,7 +56,7 @@ def run(job: Job) -> Results:
         command=job.command,
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         seconds=time.perf_counter() - start,
-        provenance=provenance(*JUDGED_BY)
+        provenance=provenance(*JUDGED_BY, drawn=not job.outside)
         | {"parity": checks.verdicts(), "references": makers.told()},
         allow_inconclusive=job.suite.allow_inconclusive,
         expected_rows=len(job.expected(job.whole)),
@@ -74,6 +70,16 @@ def run(job: Job) -> Results:
         reasons=[],
     )
     return gate.conclude(results)
+
+
+def _check_ours(job: Job, checks: parity.Checks) -> None:
+    """Hold our own renderer's shaders, maps and samples against what they must be."""
+    from reports.run.conformance import conformance  # late: see reports.run.shots
+    from reports.run.stability.materials import beside_oracle
+
+    surfaces = {(o.material, e.case.model) for e in job.entries for o in e.case.judged}
+    checks.shaders += [beside_oracle(*s) for s in surfaces]
+    checks.definitions += conformance(job.entries)
 
 
 def _clear(out: Path) -> None:

@@ -10,7 +10,9 @@ from reference.store import Store
 from reports.calibration import Pool
 from reports.progress import reporting
 from reports.run.job import Job, make_folder, sources
+from reports.run.own_truths import own_files
 from reports.run.shipped import need_stored
+from scenes.suite import Entry
 
 
 def references(job: Job, samples: int) -> list[tuple[str, str, int, float]]:
@@ -58,6 +60,9 @@ def plan(job: Job) -> list[str]:
         lines.append(
             f"{case.id}: {case.width}x{case.height}, {len(case.judged)} objects, draw {names}"
         )
+        if job.truth:
+            lines += _own(job, entry)
+            continue
         for source in sources(entry):
             batches = store.load(source.case, source.kind, job.suite.reference)
             there = sum(b.provenance["samples"] for b in batches)
@@ -66,6 +71,11 @@ def plan(job: Job) -> list[str]:
                 f"  {named}: {there} samples per pixel in the store, at most {most} needed"
             )
     return lines
+
+
+def _own(job: Job, entry: Entry) -> list[str]:
+    counts = {truth: len(own_files(job.truth, entry.case, truth)) for truth in entry.truths}
+    return [f"  {truth}: {count} batches in {job.truth}" for truth, count in counts.items()]
 
 
 def pools(job: Job) -> list[Pool]:

@@ -11,7 +11,6 @@ import pytest
 
 from reports.crosscheck.displays import colourfulness, reinhard
 from reports.crosscheck.export import (
-    camera_matrix,
     cycles_material,
     environment_mapping,
     write_scene,
@@ -19,7 +18,7 @@ from reports.crosscheck.export import (
 from reports.crosscheck.masking import conductor, correlated_over_separable
 from scenes.environment import load_environment
 from scenes.errors import InputError
-from scenes.schema import Camera, Material, Object
+from scenes.schema import Material, Object
 from scenes.suite import expand, load_suite
 
 ROOT = Path(__file__).parents[2]
@@ -40,12 +39,6 @@ def test_rows_of_the_environment_stay_where_both_renderers_have_them():
     v = 1 - (np.pi * rows / 4 * mapping["scale"] + mapping["offset"])
     assert v == pytest.approx(1 - (rows + 0.5) / 5)
     assert mapping["turn"] == 0.25  # of FORMAT.md's u = phi / 360 + rotation / 360
-
-
-def test_the_camera_looks_along_minus_z_with_its_right_hand_along_x():
-    camera = Camera(origin=(0.0, -4.0, 1.0), target=(0.0, 0.0, 1.0), fov=30.0)
-    expected = [[1, 0, 0, 0], [0, 0, -1, -4], [0, 1, 0, 1], [0, 0, 0, 1]]
-    assert camera_matrix(camera) == pytest.approx(np.array(expected, float))
 
 
 @pytest.mark.parametrize(

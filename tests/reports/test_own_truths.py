@@ -1,5 +1,8 @@
 """One's own references: a folder of batches in place of our path tracer's."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -7,6 +10,14 @@ from reports.results import load_results
 from scenes.frame import Frame, load_frame, save_frame
 
 CASE = "contact.studio"
+# The command where the extras `renderer` and `reference` are not installed.
+ALONE = """
+import sys
+for package in ("moderngl", "glcontext", "mitsuba", "drjit"):
+    sys.modules[package] = None
+from reports.cli import main
+main()
+"""
 
 
 @pytest.fixture
@@ -84,3 +95,43 @@ def test_what_is_no_light_is_no_reference(shadeproof, own, value):
 def test_a_folder_that_is_not_there_is_refused(shadeproof, tmp_path):
     code, _, err = shadeproof("compare", "--suite", "tiny", "--truth", tmp_path / "no")
     assert code == 2 and "no such folder" in err
+
+
+def test_a_dry_run_tells_how_many_batches_there_are(shadeproof, own):
+    words = ("--suite", "tiny", "--truth", own / "own", "--dry-run")
+    code, out, _ = shadeproof("compare", *words, "--out", own / "out")
+    assert code == 0 and f"global: 8 batches in {own / 'own'}" in out
+
+
+def alone(own, *words):
+    """What the command says without either renderer: exit code, stdout, stderr."""
+    command = [sys.executable, "-c", ALONE, *map(str, words)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=own)
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_the_comparison_needs_neither_opengl_nor_mitsuba(shadeproof, own):
+    words = ["--suite", "tiny", "--truth", own / "own", "--candidate", own / "mine", "--out"]
+    code, out, err = alone(own, "compare", *words, own / "alone")
+    assert code == 0, out + err
+    found = load_results(own / "alone/results.json")
+    assert "device" not in found.provenance and (own / "alone/report.html").is_file()
+    same = compared(shadeproof, own, "--candidate", own / "mine")
+    assert [r.energy_local for r in found.rows] == [r.energy_local for r in same.rows]
+
+
+@pytest.mark.parametrize(
+    ("words", "extra"),
+    [(("compare",), "renderer"), (("references",), "reference")],
+)
+def test_what_draws_or_traces_names_the_extra_that_it_needs(own, words, extra):
+    code, _, err = alone(own, *words, "--suite", "tiny", "--store", own / "none")
+    *_, last = err.strip().splitlines()
+    assert code == 2 and "Traceback" not in err
+    assert last.startswith("error: package") and f"shadeproof[{extra}]" in last
+
+
+def test_cases_are_exported_without_the_path_tracer(own):
+    code, out, err = alone(own, "export", "--suite", "tiny", "--to", own / "zips")
+    assert code == 0, err
+    assert "no Mitsuba XML" in out and (own / f"zips/{CASE}.zip").is_file()

@@ -3,6 +3,7 @@
 import pytest
 import trimesh
 
+from renderer.draw import REPEATS
 from renderer.techniques import technique
 from reports.candidates import Folder
 from reports.gate import judged_against
@@ -27,22 +28,22 @@ def case():
 
 
 def names(label, case, truths=TRUTHS):
-    return [shot.name for shot in shots(label, case, truths, repeats=0).values()]
+    return [shot.name for shot in shots(label, case, truths, timed=False).values()]
 
 
 @pytest.mark.parametrize("label", ["paper", "paper-noaa", "split", "sampled", "filtered@8"])
 def test_a_technique_without_switches_draws_one_picture_of_a_model(label, case):
-    made = shots(label, case, RUNGS[:3], repeats=3)
+    made = shots(label, case, RUNGS[:3], timed=True)
     assert names(label, case, RUNGS[:3]) == [label] * 3
     for shot in made.values():
         assert shot.case is case
-        assert (shot.candidate.technique, shot.candidate.repeats) == (technique(label), 3)
+        assert (shot.candidate.technique, shot.candidate.repeats) == (technique(label), REPEATS)
 
 
 def test_a_technique_with_switches_draws_what_each_truth_has(case):
     assert names("best", case, RUNGS[:3]) == ["best.unoccluded", "best.direct", "best"]
     assert names("shadowed", case, RUNGS[:3]) == ["shadowed.unoccluded", "shadowed", "shadowed"]
-    made = shots("best@8", case, TRUTHS, repeats=0)
+    made = shots("best@8", case, TRUTHS, timed=False)
     on = [
         (s.candidate.technique.occlusion, s.candidate.technique.interreflection)
         for s in made.values()
@@ -55,7 +56,7 @@ def test_who_can_draw_the_physical_model_does_so_where_the_truth_has_it(case):
     assert names("sampled", case) == [*["sampled"] * 3, *["sampled.physical"] * 2]
     assert names("best", case)[2:] == ["best", *["best.physical"] * 2]
     assert names("paper", case) == ["paper"] * 5
-    made = shots("best", case, TRUTHS, repeats=0)
+    made = shots("best", case, TRUTHS, timed=False)
     assert [s.case.model for s in made.values()] == [PAPER] * 3 + [PHYSICAL] * 2
     assert made["physical"].candidate.technique == technique("best")
     already = case.model_copy(update={"model": PHYSICAL})

@@ -35,7 +35,7 @@ class Seen:
     def frame(self, size: float, number: int, label: str, truth: str) -> Frame:
         """The wrong picture of a case that stands against a truth."""
         right = self.gate.pools[number].entry.case
-        shot = shots(label, right, (truth,), repeats=0)[truth]
+        shot = shots(label, right, (truth,), timed=False)[truth]
         if (at := (size, number, shot.name)) not in self.frames:
             case = self.error.case(right, self.sign * size)
             drawn = _drawn_right(shot) if case is right else _drawn(replace(shot, case=case))
