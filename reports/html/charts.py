@@ -3,9 +3,9 @@
 import json
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import altair as alt
 import vl_convert
@@ -14,6 +14,7 @@ from markupsafe import Markup, escape
 # Read by the browser from report.css, so that a chart follows the page's light or dark theme.
 SERIES_COLOURS = ["var(--series1)", "var(--series2)", "var(--series3)", "var(--series4)"]
 SHAPES = ["circle", "square", "triangle-up", "diamond"]  # colour is never the only difference
+T = TypeVar("T")
 INK, SOFT, LINE = "currentColor", "var(--soft)", "var(--line)"
 WIDTH, HEIGHT = 290, 190
 
@@ -74,6 +75,12 @@ class Axis:
         """Its scale; what lies beyond an end is drawn at that end."""
         kind = "log" if self.log else "linear"
         return alt.Scale(type=kind, domain=self.ends, nice=False, clamp=self.log)
+
+
+def by_colours(series: Sequence[T]) -> Iterator[Sequence[T]]:
+    """Series in groups of as many as a chart has colours."""
+    step = len(SERIES_COLOURS)
+    return (series[i : i + step] for i in range(0, len(series), step))
 
 
 def line_chart(

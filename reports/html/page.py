@@ -22,6 +22,7 @@ from reports.html.speed import SpeedView, speed_of
 from reports.html.stability import StabilityView, stability_of
 from reports.html.trend import Trend, trends_of
 from reports.html.trust import Fact, facts
+from reports.html.weights import WeightChart, weight_charts
 from reports.ladder import NAMES
 from reports.results import CaseRecord, Results, Row
 from reports.telling import notes_of
@@ -146,6 +147,7 @@ class Page:
     matrices: list[Matrix]
     labels: dict[str, str]
     gains: Gains | None
+    weights: list[WeightChart]
     facts: list[Fact]
     changed: ChangedView | None
     finder: Finder
@@ -217,6 +219,7 @@ def page_of(results: Results, folder: Path) -> Page:
         matrices=matrices(results.rows),
         labels={name: metric.label for name, metric in METRICS.items()},
         gains=gains_of(results.rows),
+        weights=weight_charts(results.rows),
         facts=facts(results),
         changed=changed_of(results),
         finder=finder_of(results.rows),

@@ -1,9 +1,9 @@
 """Small multiples: cost over size, and samples over the weight of a mixture."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
-from reports.html.charts import SERIES_COLOURS, Axis, Chart, Line, line_chart
+from reports.html.charts import Axis, Chart, Line, by_colours, line_chart
 from reports.html.figures import GAP, digits, seconds, size
 from reports.html.logaxis import LogAxis
 from reports.html.speed.words import COSTS, sizes_of
@@ -22,7 +22,7 @@ def growth_charts(growths: Sequence[Growth]) -> list[tuple[Chart, list[Growth]]]
     return [
         (_growth_chart(part), list(part))
         for group in groups.values()
-        for part in _split(group)
+        for part in by_colours(group)
     ]  # fmt: skip
 
 
@@ -97,9 +97,3 @@ def _least(lines: Sequence[Line]) -> float:
 
 def _most(lines: Sequence[Line]) -> float:
     return max((y for line in lines for y in line.y if y == y), default=math.nan)
-
-
-def _split(group: Sequence[Growth]) -> Iterable[Sequence[Growth]]:
-    """As many as a chart has colours."""
-    step = len(SERIES_COLOURS)
-    return (group[i : i + step] for i in range(0, len(group), step))
