@@ -102,6 +102,13 @@ class Pictures:
         return min(len(c) for n, c in self.cells.items() if self.source[n])
 
 
+def rungs_of(truths: Iterable[str]) -> list[str]:
+    """The rungs that some truths make, from the lowest; none where they are under two or a gap."""
+    there = set(truths)
+    rungs = [r for r in RUNGS if r in there]
+    return rungs if len(rungs) > 1 and rungs == list(RUNGS[: len(rungs)]) else []
+
+
 def ladder(
     case: Case,
     obj: Object,
@@ -118,8 +125,8 @@ def ladder(
             those of the models in between `global` and `physical`.
         rows: the object's rows, one a truth, for the steps of SSIM.
     """
-    rungs = [r for r in RUNGS if r in truths]
-    if rungs != list(RUNGS[: len(rungs)]) or len(rungs) < 2:
+    rungs = rungs_of(truths)
+    if not rungs:
         return None
     ids = truths[rungs[0]][0].ids
     mask = ids == case.index(obj.name)

@@ -11,7 +11,7 @@ from renderer.techniques import Technique, switched
 from reports import gate, parity
 from reports.candidates import CandidateError
 from reports.compare import Truth, exposures_of
-from reports.ladder import Drawn, ladder
+from reports.ladder import Drawn, ladder, rungs_of
 from reports.progress import Reporter
 from reports.results import CaseRecord, Ladder, Row
 from reports.rows import Picture, judged_rows, measured_further
@@ -144,8 +144,8 @@ def _ladders(
 
     Not of one's own references, which do not tell diffuse light apart.
     """
-    if job.truth:
-        return []
+    if job.truth or not rungs_of(truths):
+        return []  # before anything is drawn for it
     made, compared = [], {r.technique for r in rows if r.picture in frames}
     for label, shots in job.shots(entry, truths).items():
         if label not in compared:

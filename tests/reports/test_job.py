@@ -280,6 +280,17 @@ def test_the_gate_says_pass_and_fail_by_its_exit_code(shadeproof, tmp_path, limi
     assert load_results(tmp_path / "out/results.json").verdict == ("fail" if code else "pass")
 
 
+def test_no_cause_is_drawn_for_where_one_truth_tells_none(shadeproof, tmp_path, monkeypatch):
+    def drawn(*_):
+        raise AssertionError("a picture that nobody asks for")
+
+    monkeypatch.setattr("reports.run.case.ours", drawn)
+    (tmp_path / "mine.toml").write_text(small_suite(["global"]))
+    code, *said = shadeproof("compare", "--suite", tmp_path / "mine.toml", "--out", tmp_path)
+    assert code == 0, said
+    assert load_results(tmp_path / "results.json").ladders == []
+
+
 def test_a_verdict_alone_is_the_gates_and_comes_without_a_report(shadeproof, tmp_path):
     suite = tmp_path / "mine.toml"
     suite.write_text(limited(0.001))
