@@ -1,9 +1,11 @@
 """How rows are told, on the page and in the terminal: in a grid or a list, and what they share."""
 
 import re
+import shlex
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
-from reports.results import Row
+from reports.results import Results, Row
 
 SMALL = re.compile(r"^covers [\d,]+ pixels, under ([\d,]+):")
 
@@ -16,6 +18,14 @@ def crossed(places: Iterable[tuple[str, float]]) -> bool:
     filled = set(places)
     lines, weights = {line for line, _ in filled}, {weight for _, weight in filled}
     return len(filled) > len(lines) and 2 * len(filled) >= len(lines) * len(weights)
+
+
+def again(results: Results, case: str, out: Path) -> str:
+    """The command that shows one case of a run in `out` again, in a report of its own."""
+    command = results.command.replace(" --verdict-only", "")
+    # Of an option that is given twice the last one counts.
+    own = ["--filter", case, "--out", str(out / "again")]
+    return f"{command} {shlex.join(own)}" if command else ""
 
 
 def notes_of(rows: Sequence[Row]) -> tuple[list[str], list[str]]:

@@ -1,7 +1,6 @@
 """What the terminal shows: materials down, weights across, or a list of both."""
 
 import math
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from reports.gate import headline, worst_first
 from reports.html.figures import METRICS, half_width
 from reports.html.template import pasted
 from reports.results import Beside, Ladder, Ratio, Results, Row
-from reports.telling import crossed, notes_of
+from reports.telling import again, crossed, notes_of
 from scenes.draw.suite import WIDER
 
 BESIDE = ("technique", "figure", "median row", "worst row", "rows")
@@ -137,10 +136,8 @@ def print_crops(crops: Sequence[Crop], out: Path, results: Results, console: Con
         row = crop.row
         told = f"{row.object} in {row.case}, {row.technique} against {row.truth}"
         console.print(f"  picture: {out / crop.path}: {told}", soft_wrap=True, markup=False)
-    # Of an option that is given twice the last one counts.
-    again = ["--filter", crops[0].row.case, "--out", str(out / "again")]
-    told = f"{results.command.replace(' --verdict-only', '')} {shlex.join(again)}"
-    console.print(f"  see it: {pasted(told)}", soft_wrap=True, markup=False)
+    if told := again(results, crops[0].row.case, out):
+        console.print(f"  see it: {pasted(told)}", soft_wrap=True, markup=False)
 
 
 def skips(results: Results) -> list[str]:

@@ -25,7 +25,7 @@ from reports.html.trust import Fact, facts
 from reports.html.weights import WeightChart, weight_charts
 from reports.ladder import NAMES
 from reports.results import CaseRecord, Results, Row
-from reports.telling import notes_of
+from reports.telling import again, notes_of
 
 VERDICTS = ("fail", "inconclusive", "pass", "reported")
 
@@ -107,7 +107,7 @@ class RowView:
 class CaseView:
     """A case with its pictures and rows; `chosen` is the technique and truth shown first.
 
-    `notes` are what all rows note.
+    `notes` are what all rows note, `command` shows it again.
     """
 
     id: str
@@ -126,6 +126,7 @@ class CaseView:
     trends: list[Trend]
     notes: list[str]
     missing: list[str]
+    command: str
 
 
 @dataclass(frozen=True)
@@ -294,6 +295,7 @@ def _case(results: Results, frames: CaseFrames, trends: list[Trend]) -> CaseView
             for m in results.missing
             if m.case == record.id
         ],
+        command=again(results, record.id, frames.folder),
     )
 
 

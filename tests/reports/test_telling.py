@@ -1,7 +1,9 @@
 """What rows share is told once, and what is a row's own beside it."""
 
+from pathlib import Path
+
 from reports.gate import judge
-from reports.telling import crossed, notes_of
+from reports.telling import again, crossed, notes_of
 from tests.reports.pages import BUDGET, Page, results, row, shown_text, written
 
 SMALL = "covers {} pixels, under 10,000: {}"
@@ -43,3 +45,17 @@ def test_a_grid_has_several_weights_a_line_and_is_half_full():
     assert crossed([("a", 0), ("a", 1), ("b", 0)])
     assert not crossed([("a", 0.5), ("b", 0.5)]) and not crossed([])
     assert not crossed([("a", 0), ("a", 1), ("b", 2), ("c", 3)])
+
+
+def test_a_case_is_shown_again_by_the_runs_command_in_a_folder_of_its_own():
+    run = results([row()], command="shadeproof gate --suite my.toml --verdict-only")
+    told = again(run, "spheres.dusk", Path("reports/my out"))
+    assert told == (
+        "shadeproof gate --suite my.toml --filter spheres.dusk --out 'reports/my out/again'"
+    )
+    assert again(results([row()], command=""), "spheres.dusk", Path()) == ""
+
+
+def test_each_case_on_the_page_has_its_command(folder):
+    page = Page(written(results([row()], command="shadeproof compare --suite x"), folder))
+    assert "shadeproof compare --suite x --filter spheres.dusk --out" in page.text["code"]
