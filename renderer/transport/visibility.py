@@ -1,5 +1,7 @@
 """What each vertex of a scene sees of the scene: a bit per direction, and whom it sees."""
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +15,7 @@ SIDE = 32  # cells of the octahedral map that has a bit each
 SEEN = 16  # and of the coarser one that names what is seen
 PER_SEEN = (SIDE // SEEN) ** 2  # fine cells in a coarse one; they follow one another
 CHUNK = 1024  # vertices traced together
+MOST_THREADS = 8  # each of them holds 100 MB
 JUST_BELOW, JUST_ABOVE = 0.1, 0.01  # cosines: how far below the horizon, and from where on
 LIFT = 1e-4  # of the scene's size: how far rays start from the surface
 FLUX = 1 / 8160  # in the middle of a face of the octahedron a coarse cell's share is .027
@@ -66,10 +69,13 @@ def bake(objects: list[Tessellation]) -> Visibility:
     facing = np.cross(*(vertices[corners[:, k]] - vertices[corners[:, 0]] for k in (1, 2)))
     rays = Rays(objects, middle)
     starts = vertices - middle + LIFT * size * normals
-    parts = [
-        _traced(rays, starts[k : k + CHUNK], normals[k : k + CHUNK], corners, facing)
-        for k in range(0, len(vertices), CHUNK)
-    ]
+
+    def traced(k: int) -> tuple[np.ndarray, ...]:
+        return _traced(rays, starts[k : k + CHUNK], normals[k : k + CHUNK], corners, facing)
+
+    # Embree and numpy let other threads run.
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, MOST_THREADS)) as pool:
+        parts = list(pool.map(traced, range(0, len(vertices), CHUNK)))
     return Visibility(*(np.concatenate(of) for of in zip(*parts, strict=True)))
 
 
@@ -93,9 +99,15 @@ def _traced(
     front = (facing[triangle] * d).sum(axis=1) < 0
     nearest = np.argmax(np.stack([1 - u - v, u, v], axis=1), axis=1)
     corner = corners[triangle, nearest].astype(np.uint32)
-    clear = np.logical_and.reduce([free[:, near] for near in cells_around(SIDE, SEEN).T])
     flux = _flux(free, cosines)
-    return _words(free), _words(clear), flux, *_seen(len(starts), who, where, front, corner)
+    return _words(free), _words(_clear(free)), flux, *_seen(len(starts), who, where, front, corner)
+
+
+def _clear(free: np.ndarray) -> np.ndarray:
+    """Where all cells around are open too; eight vertices at a time, as bits."""
+    bits = np.packbits(free.T, axis=1)
+    clear = np.bitwise_and.reduce([bits[near] for near in cells_around(SIDE, SEEN).T])
+    return np.ascontiguousarray(np.unpackbits(clear, axis=1, count=len(free)).T).view(bool)
 
 
 def _flux(free: np.ndarray, cosines: np.ndarray) -> np.ndarray:
