@@ -43,8 +43,9 @@ SOON = (
     "F0-0",
     "F0-out-of-gamut",
 )
-# With `best` too, which bakes each scene: of each kind one.
-BAKED = ("sun-1e+06", "normals-nan", "7x13-pixels", "roughness-0.01-smith")
+# With `best` too, which bakes each scene: of each kind one, two of them in the long tests.
+BAKED = ("normals-nan", "7x13-pixels")
+LATER = ("sun-1e+06", "roughness-0.01-smith")
 CASES = [n if n in SOON else pytest.param(n, marks=pytest.mark.long) for n in hard_cases()]
 
 
@@ -59,6 +60,12 @@ def test_what_must_hold_of_a_hard_case_holds(folder, name):
     found = frames.measure(hard_cases()[name], folder, techniques)
     assert found.passed, found.measured
     assert found.command == f"shadeproof stability --hard {name}"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", LATER)
+def test_what_is_baked_holds_too(folder, name):
+    assert frames.measure(hard_cases()[name], folder, ("best",)).passed
 
 
 def test_every_kind_of_case_is_tried_soon():
@@ -146,7 +153,7 @@ def test_a_renderer_that_shows_no_object_fails_the_case(monkeypatch, folder, nam
         return replace(frame, ids=np.zeros_like(frame.ids))
 
     monkeypatch.setattr(frames, "_draw", lost)
-    assert not frames.measure(hard_cases()[name], folder).passed
+    assert not frames.measure(hard_cases()[name], folder, ("paper",)).passed
 
 
 def test_an_unknown_case_is_refused_with_those_that_are_known(refused):

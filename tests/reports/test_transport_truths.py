@@ -3,6 +3,7 @@
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+import trimesh
 
 from reference.batches import render_batch, truth_of
 from renderer.draw import Renderer
@@ -20,16 +21,19 @@ SILVER = Material(roughness=0.1, metallic=1.0, metal="Ag")
 @pytest.fixture(scope="module")
 def case(tmp_path_factory):
     """Three balls on a floor before a wall, under a soft sky with one bright patch."""
+    folder = tmp_path_factory.mktemp("room")
+    ball = folder / "ball.ply"  # of fewer triangles than the primitive: quicker to bake
+    trimesh.creation.icosphere(subdivisions=5).export(ball, vertex_normal=True)
     v, u = np.mgrid[:32, :64] + 0.5
     sky = np.ones((32, 64, 3)) * (1.5 - v / 32)[..., None] * (0.6, 0.8, 1.0)
     sky += 20 * np.exp(-((v - 9) ** 2 + (u - 40) ** 2) / 4)[..., None] * (1.0, 0.9, 0.7)
-    path = tmp_path_factory.mktemp("light") / "sky.exr"
+    path = folder / "sky.exr"
     image = oiio.ImageOutput.create(str(path))
     assert image.open(str(path), oiio.ImageSpec(64, 32, 3, oiio.FLOAT))
     assert image.write_image(np.ascontiguousarray(sky, np.float32)) and image.close()
     balls = {"red": (RED, -1.1), "copper": (COPPER, 0.0), "silver": (SILVER, 1.1)}
     parts = [
-        Object(name=n, mesh="sphere", material=m, scale=0.5, position=(x, 0, 0.55))
+        Object(name=n, mesh=str(ball), material=m, scale=0.5, position=(x, 0, 0.55))
         for n, (m, x) in balls.items()
     ]
     parts += [

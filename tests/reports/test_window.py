@@ -77,6 +77,11 @@ def test_the_camera_orbits_what_it_looks_at(state):
 
 def test_light_is_kept_while_only_the_camera_moves(state):
     state.technique = "best"
+    (entry,) = state.entries
+    planes = tuple(o for o in entry.case.objects if o.mesh == "plane")  # quicker to bake
+    state.entries = [
+        entry.model_copy(update={"case": entry.case.model_copy(update={"objects": planes})})
+    ]
     state.drawn((48, 36))
     kept = state._lit
     state.orbit.yaw = 0.3

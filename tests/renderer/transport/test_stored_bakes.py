@@ -1,10 +1,20 @@
 """Bakes are kept, known by geometry, and made anew where they are damaged."""
 
 import pytest
+import trimesh
 
 from renderer.transport import stored
 from renderer.transport.scene import _loaded, scene_geometry
 from renderer.transport.visibility import bake
+
+
+@pytest.fixture
+def ball_and_plate(ball_and_plate, tmp_path):
+    """The same with a ball of few triangles, quicker to bake."""
+    trimesh.creation.icosphere(subdivisions=2).export(tmp_path / "b.ply", vertex_normal=True)
+    ball, plate = ball_and_plate.objects
+    coarse = ball.model_copy(update={"mesh": str(tmp_path / "b.ply")})
+    return ball_and_plate.model_copy(update={"objects": (coarse, plate)})
 
 
 @pytest.mark.usefixtures("_own_bakes")
