@@ -10,6 +10,8 @@ PYTHON311 ?= python3.11
 NO_APT ?=
 
 BIN := .venv/bin
+# A worker takes up to 3 GB. Files stay whole, since their tests share what they set up.
+WORKERS := -n auto --maxprocesses 4 --dist loadfile
 RUN := --suite '$(SUITE)' --out '$(OUT)' $(if $(FILTER),--filter '$(FILTER)') $(ARGS)
 
 .DEFAULT_GOAL := help
@@ -68,7 +70,7 @@ calibrate: .venv/.stamp ## do the intervals hold? figures from few samples again
 test: .venv/.stamp ## check style and imports, and run the short tests
 	@$(BIN)/ruff check --quiet
 	@$(BIN)/lint-imports --no-cache >.venv/imports.log || { cat .venv/imports.log; exit 1; }
-	@$(BIN)/pytest -q -m 'not long'
+	@$(BIN)/pytest -q -m 'not long' $(WORKERS)
 
 test-long: .venv/.stamp ## run every test, those of minutes too
 	@$(BIN)/pytest

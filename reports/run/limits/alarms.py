@@ -70,7 +70,7 @@ def _drawn(gate: Gate, number: int, what: str, label: str) -> dict[str, Frame]:
     pool = gate.pools[number]
     against = shots(label, pool.entry.case, pool.truths, timed=False)
     pictures = {
-        shot.name: kept(Renderer(how(shot.candidate.technique), timed=False).render(shot.case))
+        shot.name: kept(Renderer(how(shot.candidate.technique), repeats=0).render(shot.case))
         for shot in {shot.name: shot for shot in against.values()}.values()
     }
     return {truth: pictures[shot.name] for truth, shot in against.items()}
