@@ -114,6 +114,12 @@ def test_edges_tell_a_box_filter_from_none(monkeypatch, name, number, msaa, pass
     assert of_edges(case, name).passed == passed
 
 
+@pytest.mark.parametrize(("name", "told"), [("best", True), ("best-without-antialiasing", False)])
+def test_edges_are_those_against_the_sky_and_of_who_filters(name, told):
+    found = of_edges(expand(*load_suite("guard"))[0].case, name)
+    assert found.passed if told else found is None
+
+
 def test_the_masks_of_a_small_object_may_differ_by_ties():
     made = parity.Checks()
     made.silhouettes = [(0.9, 2.0, "a dot")]

@@ -31,9 +31,9 @@ def of_edges(case: Case, name: str) -> Conformance | None:
     edges, or for a technique that by its name does not filter: what it says of itself may be what
     is wrong.
     """
-    how = technique(name)
-    if name.endswith("-noaa"):
+    if name.endswith(("-noaa", "-without-antialiasing")):
         return None
+    how = technique(name).matched("unoccluded")  # whose edges against the sky are the same
     scale = SMALL / max(case.width, case.height)
     width, height = (max(round(side * scale), 1) for side in (case.width, case.height))
     small = case.model_copy(update={"width": width, "height": height})

@@ -13,7 +13,7 @@ from scenes.surface import plain
 
 def of_surfaces(case: Case, name: str) -> list[Conformance]:
     """The uniforms of each object beside its material, relative to each: nothing is clamped."""
-    how = technique(name)
+    how = technique(name).matched("unoccluded")  # what stands around is no part of a surface
     environment = precomputed(case.environment.path)
     environment.need(sorted({m for o in case.objects for m in how.maps(o.material, case.model)}))
     prepared = Renderer(how).prepare(case, environment.maps)
