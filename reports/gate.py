@@ -84,7 +84,7 @@ def family_size(
     entries: Sequence[Entry],
     sampling: Sampling,
     drawn: Drawn,
-    outside: str = "",
+    labels: Callable[[Entry], Sequence[str]],
 ) -> int:
     """How many times a suite holds a noisy figure against its budget, at most.
 
@@ -94,15 +94,13 @@ def family_size(
     Args:
         entries: of the whole suite, so that a filter changes no verdict.
         drawn: the model of the picture that a technique sets against a truth of an entry.
-        outside: the technique of an outside candidate, which then stands for all others.
+        labels: the techniques that an entry's rows name.
     """
     doublings = math.log2(sampling.max_samples / sampling.samples_per_batch / FIRST_BATCHES)
     figures = sum(
         metric in NOISY
         for entry in entries
-        for identity, judged in _identities(
-            entry, [outside] if outside else entry.techniques, drawn
-        )
+        for identity, judged in _identities(entry, labels(entry), drawn)
         for metric in (_limits(identity, rules)[0] if judged else ())
     )
     return max(figures, 1) * (1 + math.ceil(doublings))

@@ -53,6 +53,9 @@ TruthOption = Annotated[
     Path | None,
     typer.Option(help="Your own references: a folder with <case>/*.exr, a batch each."),
 ]
+OursOption = Annotated[
+    bool, typer.Option("--ours", help="Beside a --candidate draw the suite's techniques, too.")
+]
 VerdictOption = Annotated[
     bool,
     typer.Option("--verdict-only", help="No report, no times, and no figures but those judged."),
@@ -62,7 +65,7 @@ JsonOption = Annotated[
 ]
 OUT, STORE = Path("reports/out"), Path("reports/references")
 EVERY = ("suite", "draw", "count", "out", "store", "filter", "candidate", "timeout")
-EVERY += ("frozen", "cluster", "truth")
+EVERY += ("frozen", "cluster", "truth", "ours")
 
 
 def make_job(
@@ -77,6 +80,7 @@ def make_job(
     frozen: FrozenOption = False,
     cluster: ClusterOption = None,
     truth: TruthOption = None,
+    ours: OursOption = False,
     verdict_only: VerdictOption = False,
     brief: bool = False,
 ):
@@ -91,6 +95,8 @@ def make_job(
 
     if count and draw is None:
         raise InputError("--count", str(count), "counts drawn cases", "add --draw SEED")
+    if ours and not candidate:
+        raise InputError("--ours", "", "there is no candidate beside ours", "add --candidate")
     outside = outside_candidate(candidate, timeout) if candidate else None
     if draw is not None:
         suite = _drawn(suite, draw, count, out)
@@ -98,7 +104,18 @@ def make_job(
     if truth is not None and not truth.is_dir():
         raise InputError("--truth", str(truth), "no such folder", "give one with <case>/*.exr")
     return Job(
-        suite, out, store, filter, outside, command, frozen, cluster, brief, verdict_only, truth
+        suite,
+        out,
+        store,
+        filter,
+        outside,
+        command,
+        frozen,
+        cluster,
+        brief,
+        verdict_only,
+        truth,
+        ours,
     )
 
 

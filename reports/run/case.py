@@ -162,7 +162,7 @@ def _ladders(
 
 def _drawn(job: Job, shot: Shot, frames: dict[str, Frame]) -> Drawn:
     """A picture and the same with single switches thrown, as far as it can be had."""
-    if job.outside:
+    if shot.candidate is job.outside:
         return Drawn(frames[shot.name].rgb)
 
     def picture(how: Technique) -> np.ndarray:

@@ -37,6 +37,7 @@ class Job:
         brief: of what meets its budget, measure no more than the verdict needs.
         verdict_only: of nothing measure more than that, and time nothing.
         truth: a folder of one's own references, which stand for all others.
+        ours: beside an outside candidate draw the suite's own techniques, too.
     """
 
     suite_name: str
@@ -50,6 +51,7 @@ class Job:
     brief: bool = False
     verdict_only: bool = False
     truth: Path | None = None
+    ours: bool = False
     suite: Suite = field(init=False)
     path: Path = field(init=False)
     entries: list[Entry] = field(init=False)
@@ -75,7 +77,7 @@ class Job:
                 technique(name)
             except ValueError as error:
                 raise InputError(path, "techniques", str(error), "use a known technique") from error
-        for entry in [] if self.outside else entries:
+        for entry in entries if self.draws else []:
             materials = [o.material for o in entry.case.objects]
             for name in entry.techniques:
                 if what := technique(name).cannot_draw(entry.case.model, materials):
@@ -109,11 +111,20 @@ class Job:
         return connect(self.cluster) if self.cluster else None
 
     @property
+    def draws(self) -> bool:
+        """Whether our own renderer draws."""
+        return self.ours or not self.outside
+
+    def labels(self, entry: Entry) -> tuple[str, ...]:
+        """The techniques that an entry's rows name; who is outside comes first."""
+        outside = (OUTSIDE,) if self.outside else ()
+        return (*outside, *entry.techniques) if self.draws else outside
+
+    @property
     def family(self) -> int:
         """How many verdicts must hold together: the whole suite's, at every look at its batches."""
-        label = OUTSIDE if self.outside else ""
         return gate.family_size(
-            self.suite.budget, self.whole, self.suite.reference, self.drawn_model, label
+            self.suite.budget, self.whole, self.suite.reference, self.drawn_model, self.labels
         )
 
     @property
@@ -129,11 +140,13 @@ class Job:
 
     def shots(self, entry: Entry, truths: Iterable[str]) -> dict[str, dict[str, Shot]]:
         """What is drawn of an entry's case to stand against some truths: by technique and truth."""
-        if self.outside:
-            shot = Shot(OUTSIDE, self.outside, entry.case)
-            return {OUTSIDE: dict.fromkeys(truths, shot)}
-        timed = not self.verdict_only
-        return {name: shots(name, entry.case, truths, timed) for name in entry.techniques}
+        timed, drawn = not self.verdict_only, {}
+        for name in self.labels(entry):
+            if name == OUTSIDE:
+                drawn[name] = dict.fromkeys(truths, Shot(name, self.outside, entry.case))
+            else:
+                drawn[name] = shots(name, entry.case, truths, timed)
+        return drawn
 
     def pictures(self, entry: Entry) -> dict[str, Shot]:
         """Every picture that is drawn of an entry's case, by name."""
@@ -150,7 +163,7 @@ class Job:
         return [
             Missing(case=e.case.id, object=o.name, technique=t, truth=truth)
             for e in entries
-            for t in ([OUTSIDE] if self.outside else e.techniques)
+            for t in self.labels(e)
             for truth in e.truths
             for o in e.case.judged
         ]

@@ -47,7 +47,7 @@ def run(job: Job) -> Results:
             cases.append(record)
             rows += made
             ladders += causes
-    if not job.outside:
+    if job.draws:
         _check_ours(job, checks)
     results = Results(
         suite=job.path.stem,
@@ -56,7 +56,7 @@ def run(job: Job) -> Results:
         command=job.command,
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         seconds=time.perf_counter() - start,
-        provenance=provenance(*JUDGED_BY, drawn=not job.outside)
+        provenance=provenance(*JUDGED_BY, drawn=job.draws)
         | {"parity": checks.verdicts(), "references": makers.told()},
         allow_inconclusive=job.suite.allow_inconclusive,
         expected_rows=len(job.expected(job.whole)),

@@ -155,10 +155,14 @@ def test_the_family_counts_every_budgeted_figure_at_every_look():
     suite, path = load_suite("tiny")
     entries = expand(suite, path)
     judged = len(entries[0].case.judged)
+
+    def own(entry):
+        return entry.techniques
+
     # Two techniques with energy_error, energy_local and ssim. 128 samples in batches of 16.
-    assert gate.family_size(suite.budget, entries, suite.reference, as_asked) == 6 * judged
+    assert gate.family_size(suite.budget, entries, suite.reference, as_asked, own) == 6 * judged
     longer = suite.reference.model_copy(update={"max_samples": 512})
-    assert gate.family_size(suite.budget, entries, longer, as_asked) == 18 * judged
+    assert gate.family_size(suite.budget, entries, longer, as_asked, own) == 18 * judged
 
 
 def test_the_interval_of_local_energy_is_the_root_of_its_squares():

@@ -102,6 +102,25 @@ shutil.copy({picture!r}, sys.argv[2])
 """
 
 
+def test_our_own_rows_stand_beside_a_candidates(shadeproof, tiny, pictures, tmp_path):
+    words = ("compare", "--suite", "tiny", "--candidate", pictures, "--out", tmp_path / "out")
+    code, _, err = shadeproof(*words, "--ours")
+    assert code == 0, err
+    found = load_results(tmp_path / "out/results.json")
+    same = load_results(tiny / "results.json")
+    assert {r.technique for r in found.rows} == {"candidate", "paper", "sampled"}
+    assert found.expected_rows == len(found.rows) and found.provenance["device"]
+    for row in same.rows:
+        (twin,) = (r for r in found.rows if r.key == row.key)
+        assert twin.energy_local == pytest.approx(row.energy_local)
+    assert {f.technique for f in found.ladders} == {"candidate", "paper", "sampled"}
+
+
+def test_ours_alone_are_asked_for_without_that(shadeproof, tmp_path):
+    code, _, err = shadeproof("compare", "--suite", "tiny", "--ours", "--out", tmp_path)
+    assert code == 2 and "--ours: there is no candidate" in err
+
+
 def test_a_command_is_a_candidate(shadeproof, pictures, tmp_path):
     script = tmp_path / "draw.py"
     script.write_text(COPY.format(picture=str(pictures / f"{CASE}.exr")))
