@@ -90,9 +90,9 @@ def _unusable(pixels: np.ndarray, counts: dict[str, int], view: TruthView) -> st
     """Why an object's pixels cannot be measured, or nothing."""
     if not view.core.any():
         return f"covers {counts['pixels']} pixels and has no interior: too small for SSIM"
-    if np.ptp(pixels[view.mask]) == 0 and np.ptp(view.mean[view.mask]) > 0:
-        return "is blank where the truth is not"
     own = pixels[view.mask]
+    if not own.any() and view.mean[view.mask].any():
+        return "is black where the truth is not"
     if below := int((own * view.exposure < -FAINTEST).any(axis=1).sum()):
         return f"{below} pixels of the object are below zero, by up to {-own.min():.2g}"
     return ""

@@ -79,6 +79,15 @@ def judged_against(truth: str, model: Model) -> bool:
     return not truth.startswith("physical") or (truth == "physical" and model == PHYSICAL)
 
 
+def budgeted(
+    rules: Sequence[Budget], entry: Entry, techniques: Sequence[str], drawn: Drawn
+) -> Iterator[tuple[str, str, str]]:
+    """Object, technique and truth of an entry's rows that a rule judges."""
+    for identity, judged in _identities(entry, techniques, drawn):
+        if judged and _limits(identity, rules)[0]:
+            yield identity["object"], identity["technique"], identity["truth"]
+
+
 def family_size(
     rules: Sequence[Budget],
     entries: Sequence[Entry],

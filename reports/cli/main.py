@@ -83,7 +83,11 @@ def _lacking(error: ModuleNotFoundError) -> InputError | None:
     package = (error.name or "").partition(".")[0]
     if package not in EXTRAS:
         return None
-    remedy = f"pip install 'shadeproof[{EXTRAS[package]}]'"
+    remedy = f"install it with the extra: pip install 'path/to/shadeproof[{EXTRAS[package]}]'"
+    if EXTRAS[package] == "renderer":
+        remedy += ", or give a --candidate"
+    if EXTRAS[package] == "reference":
+        remedy += ", or give --truth or --frozen"
     return InputError("package", package, "is not installed", remedy)
 
 

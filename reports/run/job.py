@@ -57,6 +57,7 @@ class Job:
     entries: list[Entry] = field(init=False)
     skipped: list[str] = field(init=False)
     whole: list[Entry] = field(init=False)
+    asked: dict[str, Entry] = field(init=False)  # by case, with truths that nobody gave
 
     def __post_init__(self) -> None:
         if self.cluster is not None:
@@ -90,9 +91,11 @@ class Job:
                 placement(obj)
                 _check_physical(entry, obj.material, path)
         gate.check_rules(suite.budget, whole, self.drawn_model, OUTSIDE, path)
+        asked = entries
         if self.truth:
             entries = [restricted(e, self.truth) for e in entries]
             whole = entries
+        object.__setattr__(self, "asked", {e.case.id: e for e in asked})
         object.__setattr__(self, "suite", suite)
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "entries", entries)
@@ -159,14 +162,26 @@ class Job:
         return model if name == OUTSIDE else drawn_model(technique(name), model, truth)
 
     def expected(self, entries: list[Entry]) -> list[Missing]:
-        """Every row that the suite asks for in some of its entries."""
-        return [
+        """Every row that the suite asks for in some of its entries.
+
+        Of one's own truths those that there are, and those that a budget asks for.
+        """
+        rows = [
             Missing(case=e.case.id, object=o.name, technique=t, truth=truth)
             for e in entries
             for t in self.labels(e)
-            for truth in e.truths
+            for truth in self.asked.get(e.case.id, e).truths
             for o in e.case.judged
         ]
+        given = {(e.case.id, truth) for e in entries for truth in e.truths}
+        owed = {row for e in self.asked.values() for row in self._budgeted(e)}
+        return [r for r in rows if (r.case, r.truth) in given or r.key in owed]
+
+    def _budgeted(self, entry: Entry) -> Iterable[tuple[str, str, str, str]]:
+        """The keys of an entry's rows that have a budget."""
+        labels = self.labels(entry)
+        for row in gate.budgeted(self.suite.budget, entry, labels, self.drawn_model):
+            yield entry.case.id, *row
 
 
 def _matches(name: str, pattern: str) -> bool:

@@ -1,5 +1,6 @@
 """References from outside: one's own batches, as EXRs in a folder."""
 
+import hashlib
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +21,12 @@ def restricted(entry: Entry, folder: Path) -> Entry:
     """An entry with those of its truths that a folder holds.
 
     Raises:
-        InputError: it holds none of them.
+        InputError: it holds none of them, or a folder that is none.
     """
+    for path in sorted((folder / entry.case.id).glob("*/")):
+        if path.name not in NAMES:
+            remedy = f"call it one of {', '.join(NAMES)}"
+            raise InputError("--truth", str(path), "is named like no truth", remedy)
     there = tuple(t for t in entry.truths if own_files(folder, entry.case, t))
     if not there:
         problem = f"holds no batch of {', '.join(entry.truths)} of {entry.case.id}"
@@ -36,15 +41,21 @@ def own_batches(folder: Path, case: Case, truth: str) -> list[Frame]:
     What object a pixel shows our own geometry tells, since the pictures do not.
 
     Raises:
-        InputError: a file is no picture of the case's size, or a value in it is no light.
+        InputError: a file is no picture of the case's size, a value in it is no light, or two
+            files are the same and so not independent.
     """
     ids = seen_objects(case)
-    batches = []
+    batches: list[Frame] = []
+    digests: dict[bytes, Path] = {}
     for path in own_files(folder, case, truth):
         rgb = read_pixels(path, "reference", (case.width, case.height))
         if bad := int((~(np.isfinite(rgb) & (rgb >= 0))).any(axis=2).sum()):
             problem = f"holds NaN, Inf or light below zero in {bad} pixels"
             raise InputError(path, "reference", problem, "write linear radiance")
+        same = digests.setdefault(hashlib.sha256(rgb.tobytes()).digest(), path)
+        if same != path:
+            problem = f"holds the same picture as {same.name}"
+            raise InputError(path, "reference", problem, "trace each batch with a seed of its own")
         provenance = {"samples": 0, "truth": truth, "file": str(path)}
         batches.append(Frame(rgb, ids, 0.0, provenance))
     return batches

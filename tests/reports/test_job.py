@@ -148,7 +148,7 @@ def frame_of(kind):
 @pytest.mark.parametrize(
     ("kind", "problem"),
     [
-        ("blank", "blank"),
+        ("blank", "black"),
         ("nan", "NaN"),
         ("negative", "below zero, by up to 0.05"),
         ("small", "48x36"),

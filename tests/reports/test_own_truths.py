@@ -8,6 +8,7 @@ import pytest
 
 from reports.results import load_results
 from scenes.frame import Frame, load_frame, save_frame
+from tests.reports.small import small_suite
 
 CASE = "contact.studio"
 # The command where the extras `renderer` and `reference` are not installed.
@@ -90,6 +91,49 @@ def test_what_is_no_light_is_no_reference(shadeproof, own, value):
         "compare", "--suite", "tiny", "--truth", own / "own", "--out", own / "out"
     )
     assert code == 2 and ("in 1 pixels" in err or "NaN" in err), err
+
+
+BUDGETS = """
+[[budget]]
+technique = "candidate"
+truth = "{truth}"
+energy_error = 0.5
+"""
+
+
+@pytest.mark.parametrize(("truth", "code"), [("global", 0), ("direct", 1)])
+def test_a_gate_fails_where_a_truth_with_a_budget_is_missing(shadeproof, own, truth, code):
+    (own / "s.toml").write_text(small_suite(["global", "direct"]) + BUDGETS.format(truth=truth))
+    words = ("--suite", own / "s.toml", "--truth", own / "own", "--candidate", own / "mine")
+    assert shadeproof("gate", *words, "--out", own / "out")[0] == code
+    missing = load_results(own / "out/results.json").missing
+    assert {m.truth for m in missing} == ({"direct"} if code else set())
+
+
+def test_a_folder_that_is_named_like_no_truth_is_refused(shadeproof, own):
+    (own / f"own/{CASE}/Direct").mkdir()
+    code, _, err = shadeproof("compare", "--suite", "tiny", "--truth", own / "own", "--dry-run")
+    assert code == 2 and "Direct: is named like no truth; call it one of" in err
+
+
+def test_batches_of_one_seed_are_refused(shadeproof, own):
+    for number in (3, 6):
+        save_frame(load_frame(own / f"own/{CASE}/0.exr"), own / f"own/{CASE}/{number}.exr")
+    words = ("--suite", "tiny", "--truth", own / "own", "--candidate", own / "mine")
+    code, _, err = shadeproof("compare", *words, "--out", own / "out")
+    assert code == 2 and "3.exr" in err and "holds the same picture as 0.exr" in err
+
+
+def test_an_even_surface_that_is_right_is_measured(shadeproof, own):
+    """A white surface under even light has one value, and its truth has noise."""
+    rng = np.random.default_rng(2)
+    shape = load_frame(own / f"mine/{CASE}.exr").rgb.shape
+    for number in range(8):
+        noisy = 0.5 * (1 + rng.normal(0, 0.02, shape)).astype(np.float32)
+        save_frame(Frame(noisy), own / f"own/{CASE}/{number}.exr")
+    save_frame(Frame(np.full(shape, 0.5, np.float32)), own / f"mine/{CASE}.exr")
+    for row in compared(shadeproof, own, "--candidate", own / "mine").rows:
+        assert not row.problem and abs(row.energy_error) < 0.005
 
 
 def test_a_folder_that_is_not_there_is_refused(shadeproof, tmp_path):
