@@ -16,6 +16,8 @@ from scenes.errors import InputError
 from scenes.frame import Frame
 from scenes.schema import Case
 
+OUTSIDE = "candidate"  # the technique of an outside candidate's rows; nobody knows its switches
+
 
 class Candidate(Protocol):
     """Anything that answers a case with a frame: the one protocol of all renderers."""

@@ -63,7 +63,7 @@ def gate(
         job = job.without_budgets()
     results = _compare(job, json, against=regression, judged=True)
     if headline(results) == "reported" and not json:
-        console.print("[red bold]FAIL[/]: a gate needs a row with a budget")
+        console.print("[red bold]FAIL[/]: a gate needs a row with a budget; add one to the suite")
     raise typer.Exit(0 if results.verdict == "pass" else 1)
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from reports.candidates import OUTSIDE
 from reports.html.figures import GAP, half_width, number
 from reports.results import Cause, Figured, Ladder
 
@@ -26,7 +27,6 @@ MEANINGS = {
     "masking": "The masking of facets, where the case's is not the mixture's exact Smith masking, "
     "and all else that parts the models.",
 }
-OUTSIDE = "candidate"  # the one technique whose switches nobody knows
 ABSENT = {"occlusion": "shadows", "interreflection": "light between surfaces"}
 CANCELS = 0.01  # of the light, from which on errors of opposite sign are told
 SKEW = 4 / 3  # of an interval's sides, from which on both are told

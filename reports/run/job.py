@@ -13,7 +13,7 @@ from reference.executor import check_address, connect
 from reference.settings import TRUTHS, Kind
 from renderer.techniques import technique
 from reports import gate
-from reports.candidates import Candidate
+from reports.candidates import OUTSIDE, Candidate
 from reports.ladder import MODEL_STEPS
 from reports.results import Missing
 from reports.run.own_truths import restricted
@@ -23,8 +23,6 @@ from scenes.errors import InputError
 from scenes.mesh import placement
 from scenes.schema import PHYSICAL, Case, Material, Model, model_steps
 from scenes.suite import Entry, Sampling, Suite, expand, load_suite
-
-OUTSIDE = "candidate"  # the technique under which an outside candidate's rows stand
 
 
 @dataclass(frozen=True)
