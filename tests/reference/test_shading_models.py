@@ -242,8 +242,10 @@ def test_one_compiled_kernel_serves_every_material_of_a_model(model):
         with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
             dr.kernel_history_clear()
             dr.eval(bsdf.sample(mi.BSDFContext(), si, first, second))
-            return [k["hash"] for k in dr.kernel_history([dr.KernelType.JIT])]
+            return tuple(str(k["hash"]) for k in dr.kernel_history([dr.KernelType.JIT]))
 
-    assert kernels(surface(0.5, 0.4)) == kernels(
-        surface(0.7, 0.6, 0.5, albedo=(0.1, 0.2, 0.3), f0="water", metal="Au")
-    )
+    one = surface(0.5, 0.4)
+    other = surface(0.7, 0.6, 0.5, albedo=(0.1, 0.2, 0.3), f0="water", metal="Au")
+    # Dr.Jit orders some gathers by where memory happens to lie: the same material can give two
+    # kernels, too. Numbers that are written into a kernel would never give a common one.
+    assert {kernels(one) for _ in range(6)} & {kernels(other) for _ in range(6)}
