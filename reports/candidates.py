@@ -128,7 +128,8 @@ def outside_candidate(text: str, timeout: float) -> Candidate:
         return command
     if not Path(text).is_dir():
         remedy = "give a folder of EXRs, or a command with {case} and {out}"
-        raise InputError("--candidate", text, "no such folder", remedy)
+        problem = "is a file, no folder" if Path(text).is_file() else "no such folder"
+        raise InputError("--candidate", text, problem, remedy)
     if not any(Path(text).glob("*.exr")):
         remedy = "put <case>.exr there; `shadeproof compare --list` prints the names"
         raise InputError("--candidate", text, "holds no .exr", remedy)

@@ -14,6 +14,7 @@ from scenes.frame import Frame
 from scenes.schema import Case, Model, Object
 from scenes.suite import Budget
 
+SPREAD = 3  # batches that an interval takes; 8 give a good one
 ENOUGH_PIXELS = 10_000  # below, blocks are few and SSIM's windows are mostly rim
 
 
@@ -58,9 +59,9 @@ def judged_rows(
         made = frame.provenance.get("precomputation_seconds", float("nan"))
         times = {"frame_ms": frame.seconds * 1e3, "precomputation_ms": made * 1e3}
         figures = compare(case, obj, frame, truth, JUDGED)
-        few = _few_pixels(obj, figures.get("pixels", 0))
+        few = _few_pixels(obj, figures.get("pixels", 0)), _few_batches(truth)
         told = _identity(case, obj, label) | {"picture": pictures[label].name}
-        return Row(**told, **_cost(truth), **times, **figures, note=few)
+        return Row(**told, **_cost(truth), **times, **figures, note="; ".join(filter(None, few)))
 
     def held(row: Row) -> Row:
         drawn = pictures[row.technique].model if row.technique in pictures else case.model
@@ -100,6 +101,14 @@ def _few_pixels(obj: Object, pixels: int) -> str:
         return ""
     why = obj.small or "see `small` in scenes/FORMAT.md"
     return f"covers {pixels:,} pixels, under {ENOUGH_PIXELS:,}: {why}"
+
+
+def _few_batches(truth: Truth) -> str:
+    """What to know of figures that have no interval for want of batches."""
+    count = len(truth.batches)
+    return (
+        "" if count >= SPREAD else f"{count} of the 8 batches that a reference needs: no interval"
+    )
 
 
 def _identity(case: Case, obj: Object, technique: str) -> dict[str, Any]:

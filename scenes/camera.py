@@ -1,5 +1,7 @@
 """The camera's axes, and what its rays see: geometry alone, without either renderer."""
 
+from functools import lru_cache
+
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
@@ -29,8 +31,9 @@ def half_extents(case: Case) -> tuple[float, float]:
     return tangent * case.width / case.height, tangent
 
 
+@lru_cache(maxsize=4)
 def seen_objects(case: Case) -> np.ndarray:
-    """The object at each pixel's centre, (H, W) uint8, 1-based; 0 is the background.
+    """The object at each pixel's centre, (H, W) uint8, read-only, 1-based; 0 is the background.
 
     By rays (Embree), so that pictures from outside can be measured where nothing draws.
     """
@@ -45,7 +48,9 @@ def seen_objects(case: Case) -> np.ndarray:
     found = scene.run(np.zeros_like(rays), rays)
     owner = np.repeat(np.arange(1, len(meshes) + 1), [len(m.faces) for m in meshes])
     ids = np.where(found >= 0, owner[found], 0)
-    return ids.astype(np.uint8).reshape(case.height, case.width)
+    ids = ids.astype(np.uint8).reshape(case.height, case.width)
+    ids.flags.writeable = False
+    return ids
 
 
 def _pixel_rays(case: Case) -> np.ndarray:

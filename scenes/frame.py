@@ -3,6 +3,7 @@
 import errno
 import hashlib
 import json
+import math
 import os
 import secrets
 from collections.abc import Iterator
@@ -49,7 +50,8 @@ def save_frame(frame: Frame, path: Path) -> None:
     Raises:
         InputError: the folder cannot be written or the disk is full.
     """
-    record = {"seconds": frame.seconds, "provenance": frame.provenance}
+    seconds = None if math.isnan(frame.seconds) else frame.seconds  # JSON has no NaN
+    record = {"seconds": seconds, "provenance": frame.provenance}
     record |= {"has_ids": frame.ids is not None, "layers": list(frame.layers)}
     channels, names = [frame.rgb.astype(np.float32)], ["R", "G", "B"]
     if frame.ids is not None:
@@ -95,7 +97,8 @@ def load_frame(path: Path) -> Frame:
         return Frame(rgb)
     try:
         record = json.loads(beside.read_text())
-        seconds, provenance = float(record["seconds"]), dict(record["provenance"])
+        seconds = math.nan if record["seconds"] is None else float(record["seconds"])
+        provenance = dict(record["provenance"])
         if record["sha256"] != sha256(path):
             return Frame(rgb)
         named = _channels(path) if record["has_ids"] or record["layers"] else {}

@@ -102,20 +102,21 @@ def make_job(
         suite = _drawn(suite, draw, count, out)
     command = shlex.join(["shadeproof", *sys.argv[1:]])
     if truth is not None and not truth.is_dir():
-        raise InputError("--truth", str(truth), "no such folder", "give one with <case>/*.exr")
+        problem = "is a file, no folder" if truth.is_file() else "no such folder"
+        raise InputError("--truth", str(truth), problem, "give a folder with <case>/*.exr")
     return Job(
         suite,
         out,
         store,
-        filter,
-        outside,
-        command,
-        frozen,
-        cluster,
-        brief,
-        verdict_only,
-        truth,
-        ours,
+        filter=filter,
+        outside=outside,
+        command=command,
+        frozen=frozen,
+        cluster=cluster,
+        brief=brief,
+        verdict_only=verdict_only,
+        truth=truth,
+        ours=ours,
     )
 
 

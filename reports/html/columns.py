@@ -81,9 +81,11 @@ GROUPS: tuple[tuple[str, tuple[Column, ...]], ...] = (
                lambda r: f.seconds(r.frame_ms / 1e3)),
         Column("precomp.", "time to prefilter the environment",
                lambda r: f.seconds(r.precomputation_ms / 1e3)),
-        Column("reference", "time of path tracing", lambda r: f.seconds(r.reference_seconds)),
+        Column("reference", "time of path tracing",
+               lambda r: f.seconds(r.reference_seconds) if r.reference_spp else f.NONE),
         Column("samples", "path-traced samples per pixel, in independent batches",
-               lambda r: f"{f.count(r.reference_spp)} spp in {r.reference_batches}"),
+               lambda r: f"{f.count(r.reference_spp) if r.reference_spp else f.NONE} spp in "
+                         f"{r.reference_batches}"),
     )),
 )  # fmt: skip
 

@@ -131,8 +131,8 @@ class Metric:
         known = math.isfinite(half_width(self.bounds(row)))
         if not self.interval or known or not math.isfinite(self.value(row)):
             return ""
-        alone = row.reference_batches == 1
-        return "one batch has no spread" if alone else "the reference's noise hides it"
+        few = {1: "one batch has no spread", 2: "an interval takes three batches"}
+        return few.get(row.reference_batches, "the reference's noise hides it")
 
     def allowed(self, limit: float) -> str:
         """The budget, as '≤ 20 %' or '≥ 0.97'."""

@@ -21,7 +21,7 @@ from reports.html.matrix import Matrix, label_of, matrices, row_id
 from reports.html.speed import SpeedView, speed_of
 from reports.html.stability import StabilityView, stability_of
 from reports.html.trend import Trend, trends_of
-from reports.html.trust import Fact, facts
+from reports.html.trust import Fact, drawn_here, facts
 from reports.html.weights import WeightChart, weight_charts
 from reports.ladder import NAMES
 from reports.results import CaseRecord, Results, Row
@@ -159,7 +159,7 @@ class Page:
     provenance: str
     seconds: str
     budgets: list[list[str]]
-    energy_claim: ClaimView
+    energy_claim: ClaimView | None
     speed: SpeedView | str | None
     stability: StabilityView | str | None
     gate: GateView | None
@@ -238,7 +238,8 @@ def page_of(results: Results, folder: Path) -> Page:
             ]
             for b in results.budgets
         ],
-        energy_claim=energy_claim_view(),
+        # What the paper's mixtures do is nothing to a renderer from outside.
+        energy_claim=energy_claim_view() if drawn_here(results.rows) else None,
         speed=speed_of(folder),
         stability=stability_of(folder),
         gate=gate_of(folder),

@@ -36,10 +36,15 @@ def facts(results: Results) -> list[Fact]:
     ]
 
 
+def drawn_here(rows: list[Row]) -> bool:
+    """Whether our own renderer drew any of some rows, or there are none."""
+    return not rows or any(r.technique != OUTSIDE for r in rows)
+
+
 def _conformance(results: Results) -> Fact:
     checks = results.provenance.get("parity") or []
     if not checks:
-        own = any(r.technique != OUTSIDE for r in results.rows) or not results.rows
+        own = drawn_here(results.rows)
         told = "not checked in this run" if own else "none is asked of a candidate from outside"
         return Fact("Conformance", told, doubt=own)
     failed = [c for c in checks if not c["passed"]]

@@ -48,9 +48,9 @@ def _part(results: Results) -> str:
 
 
 def subject(row: Row) -> str:
-    """Who and where: material, weight, scene, environment and the object if it adds anything."""
+    """Who and where: material, weight, case, and the object if it adds anything."""
     thing = "" if row.object == row.material else f" on {row.object}"
-    return f"{row.material} (weight {row.weight:g}){thing} in {row.scene}/{row.environment}"
+    return f"{row.material} (weight {row.weight:g}){thing} in {row.case}"
 
 
 def against(row: Row) -> str:

@@ -46,8 +46,9 @@ def ladder(
 
     Args:
         drawn: what stands against each of the truths; the same object where no switch parts them.
-        truths: batches by truth, each with the layer `diffuse`; under the names in MODEL_STEPS
-            those of the models in between `global` and `physical`.
+        truths: batches by truth, each with the layer `diffuse` where it was told apart (else
+            `drawn` has no `specular`); under the names in MODEL_STEPS those of the models in
+            between `global` and `physical`.
         rows: the object's rows, one a truth, for the steps of SSIM.
     """
     rungs = rungs_of(truths)
@@ -113,7 +114,9 @@ def _ssim_step(name: str, rungs: Sequence[str], ssim: dict[str, Estimate]) -> Fi
 
 
 def _diffuse(energy: Energy, terms: Terms | None, half: int) -> Figured | None:
-    return None if terms is None else _figured(energy.of(terms, half))
+    if terms is None or any(name not in energy.pictures.cells for _, name in terms):
+        return None
+    return _figured(energy.of(terms, half))
 
 
 def _less(a: Estimate | None, b: Estimate | None) -> Estimate:

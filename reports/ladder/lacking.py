@@ -26,7 +26,8 @@ def lacking(blocks: Pictures, pixels: np.ndarray, candidate: Candidate) -> dict[
     So the error holds what batches move the slopes by, what parts of the object do, and what other
     weights of the blocks do.
     """
-    one, two, three = (blocks.cells[t] for t in RUNGS[:3])
+    least = min(len(blocks.cells[t]) for t in RUNGS[:3])  # another's truths may differ in number
+    one, two, three = (blocks.cells[t][:least] for t in RUNGS[:3])
     drawn = [np.broadcast_to(blocks.cells[candidate.name[t]], one.shape) for t in RUNGS[:3]]
     if candidate.switched(*RUNGS[:2]) or candidate.switched(*RUNGS[1:3]):
         fits = [

@@ -54,11 +54,14 @@ def pictures_of(candidate: Candidate, truths: dict[str, list[Frame]], cells) -> 
     made = {name: cells(rgb)[None] for name, rgb in candidate.pictures().items()}
     source = dict.fromkeys(made, "")
     for name, batches in truths.items():
+        ours = "diffuse" in batches[0].layers  # else another's: paths and lobes are not told
         # The three truths of one model share their paths.
-        shared = "model" if name in RUNGS[:3] else name
+        shared = "model" if ours and name in RUNGS[:3] else name
         made[name] = np.stack([cells(b.rgb) for b in batches])
-        made[f"{name}.diffuse"] = np.stack([cells(b.layers["diffuse"]) for b in batches])
-        source |= {name: shared, f"{name}.diffuse": shared}
+        source[name] = shared
+        if ours:
+            made[f"{name}.diffuse"] = np.stack([cells(b.layers["diffuse"]) for b in batches])
+            source[f"{name}.diffuse"] = shared
     return Pictures(made, source)
 
 

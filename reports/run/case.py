@@ -47,7 +47,7 @@ def run_entry(
             exposures = exposures or exposures_of(case, batches)
             judged = []
             for name, own in source.truths.items() if source.judged else ():
-                views[name] = Truth(case, name, [truth_of(b, own) for b in batches], exposures)
+                views[name] = Truth(case, name, _of(job, batches, own), exposures)
                 rules = job.suite.budget
                 against = _against(name, shots, frames)
                 judged += judged_rows(case, views[name], against, failures, rules, job.family)
@@ -64,7 +64,7 @@ def run_entry(
             makers.add(batches)
         rows += judged
         for name, own in source.truths.items():
-            truths[name] = [truth_of(b, own) for b in batches]
+            truths[name] = _of(job, batches, own)
     if job.verdict_only:
         told = set()
     elif job.brief:  # of what meets its budget no more is said
@@ -111,6 +111,11 @@ def _batches(
     return grow(source.case, source.kind, sampling, enough, store, traced, job.executor, job.frozen)
 
 
+def _of(job: Job, batches: list[Frame], truth: str) -> list[Frame]:
+    """One truth of some batches; one's own are of one already, and tell no diffuse light apart."""
+    return batches if job.truth else [truth_of(b, truth) for b in batches]
+
+
 def _mean(batches: list[Frame]) -> Frame:
     """All batches as one frame, with the ids of the first."""
     mean = np.mean([b.rgb for b in batches], axis=0, dtype=np.float64)
@@ -142,9 +147,9 @@ def _ladders(
 ) -> list[Ladder]:
     """Error by cause for every object and technique that has rows, where there are the truths.
 
-    Not of one's own references, which do not tell diffuse light apart.
+    One's own references do not tell diffuse light apart, so nothing is drawn for its parts.
     """
-    if job.truth or not rungs_of(truths):
+    if not rungs_of(truths):
         return []  # before anything is drawn for it
     made, compared = [], {r.technique for r in rows if r.picture in frames}
     for label, shots in job.shots(entry, truths).items():
@@ -162,7 +167,7 @@ def _ladders(
 
 def _drawn(job: Job, shot: Shot, frames: dict[str, Frame]) -> Drawn:
     """A picture and the same with single switches thrown, as far as it can be had."""
-    if shot.candidate is job.outside:
+    if job.truth or shot.candidate is job.outside:
         return Drawn(frames[shot.name].rgb)
 
     def picture(how: Technique) -> np.ndarray:

@@ -1,20 +1,21 @@
 """References from outside: one's own batches, as EXRs in a folder."""
 
 import hashlib
+from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
-from reference.settings import TRUTHS
 from scenes.camera import seen_objects
 from scenes.environment import read_pixels
 from scenes.errors import InputError
 from scenes.frame import Frame
 from scenes.schema import Case
-from scenes.suite import Entry
+from scenes.suite import Entry, Truth
 
 OWN = "global"  # the truth that EXRs in a case's folder itself stand for
-NAMES = tuple(dict.fromkeys((*TRUTHS["model"], "physical")))
+NAMES = get_args(Truth)
 
 
 def restricted(entry: Entry, folder: Path) -> Entry:
@@ -35,6 +36,17 @@ def restricted(entry: Entry, folder: Path) -> Entry:
     return entry.model_copy(update={"truths": there, "split_model": False})
 
 
+def check_batches(folder: Path, entry: Entry) -> None:
+    """See that all batches of an entry can be used, before a candidate draws for them.
+
+    Raises:
+        InputError: as `own_batches`.
+    """
+    for truth in entry.truths:
+        for _ in _pictures(folder, entry.case, truth):
+            pass
+
+
 def own_batches(folder: Path, case: Case, truth: str) -> list[Frame]:
     """The batches of a truth of a case: each EXR is one, independent of the others.
 
@@ -45,20 +57,24 @@ def own_batches(folder: Path, case: Case, truth: str) -> list[Frame]:
             files are the same and so not independent.
     """
     ids = seen_objects(case)
-    batches: list[Frame] = []
-    digests: dict[bytes, Path] = {}
+    return [
+        Frame(rgb, ids, 0.0, {"samples": 0, "truth": truth, "file": str(path)})
+        for path, rgb in _pictures(folder, case, truth)
+    ]
+
+
+def _pictures(folder: Path, case: Case, truth: str) -> Iterator[tuple[Path, np.ndarray]]:
+    digests: dict[str, Path] = {}
     for path in own_files(folder, case, truth):
         rgb = read_pixels(path, "reference", (case.width, case.height))
         if bad := int((~(np.isfinite(rgb) & (rgb >= 0))).any(axis=2).sum()):
             problem = f"holds NaN, Inf or light below zero in {bad} pixels"
             raise InputError(path, "reference", problem, "write linear radiance")
-        same = digests.setdefault(hashlib.sha256(rgb.tobytes()).digest(), path)
+        same = digests.setdefault(hashlib.sha256(rgb.tobytes()).hexdigest(), path)
         if same != path:
             problem = f"holds the same picture as {same.name}"
             raise InputError(path, "reference", problem, "trace each batch with a seed of its own")
-        provenance = {"samples": 0, "truth": truth, "file": str(path)}
-        batches.append(Frame(rgb, ids, 0.0, provenance))
-    return batches
+        yield path, rgb
 
 
 def own_files(folder: Path, case: Case, truth: str) -> list[Path]:

@@ -12,6 +12,7 @@ from reports.results import CaseRecord, Ladder, Results, Row
 from reports.run.case import run_entry
 from reports.run.job import Job, make_folder
 from reports.run.makers import Makers
+from reports.run.own_truths import check_batches
 from reports.run.provenance import provenance
 from reports.run.shipped import need_stored
 from reports.run.tracing import trace_ahead
@@ -25,6 +26,8 @@ def run(job: Job) -> Results:
     Frames are written to `job.out`; the results are returned, not written.
     """
     start = time.perf_counter()
+    for entry in job.entries if job.truth else []:
+        check_batches(job.truth, entry)
     if job.out.exists():
         make_folder(job.out, "--out")
         _clear(job.out)
@@ -85,7 +88,7 @@ def _check_ours(job: Job, checks: parity.Checks) -> None:
 def _clear(out: Path) -> None:
     """Remove an earlier run's results: a run that fails must not leave their verdict standing."""
     if (out / "results.json").is_file():
-        for name in ("frames", "truths", "report_files"):
+        for name in ("frames", "truths", "crops", "report_files"):
             shutil.rmtree(out / name, ignore_errors=True)
     for name in ("results.json", "report.html", "junit.xml", "summary.md"):
         (out / name).unlink(missing_ok=True)

@@ -49,7 +49,7 @@ def test_verdict_names_the_worst(folder):
     ]  # fmt: skip
     text = Page(written(results(rows), folder)).text["h1"].replace("\u202f", " ")
     assert text == (
-        "FAIL: silver (weight 0.75) on right in spheres/dusk misses its local energy budget: "
+        "FAIL: silver (weight 0.75) on right in spheres.dusk misses its local energy budget: "
         "31.2 % ± 0.2 % against 20 % (paper vs global)."
     )
 

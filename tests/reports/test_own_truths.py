@@ -55,7 +55,10 @@ def test_a_folder_of_pictures_is_judged_by_a_folder_of_references(shadeproof, ow
 
 def test_our_own_techniques_can_be_held_against_it_too(shadeproof, own):
     found = compared(shadeproof, own)
-    assert {r.technique for r in found.rows} == {"paper", "sampled"} and not found.ladders
+    assert {r.technique for r in found.rows} == {
+        "paper",
+        "sampled",
+    } and not found.ladders  # of one truth
 
 
 def test_other_truths_stand_in_folders_of_their_own(shadeproof, own):
@@ -91,6 +94,53 @@ def test_what_is_no_light_is_no_reference(shadeproof, own, value):
         "compare", "--suite", "tiny", "--truth", own / "own", "--out", own / "out"
     )
     assert code == 2 and ("in 1 pixels" in err or "NaN" in err), err
+
+
+RUNGS = ("unoccluded", "direct", "global")
+
+
+@pytest.mark.parametrize(
+    ("drawn", "occlusion", "interreflection"),
+    [("unoccluded", 1, 1), ("direct", 0, 1), ("global", 0, 0)],
+)
+def test_what_a_candidate_lacks_is_told_by_ones_own_truths(
+    shadeproof, tiny, own, drawn, occlusion, interreflection
+):
+    rng = np.random.default_rng(3)
+    pictures = {t: load_frame(tiny / f"truths/{CASE}/{t}.a.exr").rgb for t in RUNGS}
+    for count, (truth, rgb) in enumerate(pictures.items(), start=6):  # numbers may differ
+        for path in (own / f"own/{CASE}").glob("*.exr" if truth == "global" else f"{truth}/*"):
+            path.unlink()
+        for number in range(count):
+            noisy = np.maximum(rgb * (1 + rng.normal(0, 0.02, rgb.shape)), 0)
+            save_frame(Frame(noisy.astype(np.float32)), own / f"own/{CASE}/{truth}/{number}.exr")
+    save_frame(Frame(pictures[drawn]), own / f"mine/{CASE}.exr")
+    found = compared(shadeproof, own, "--candidate", own / "mine")
+    assert len(found.ladders) == len({r.object for r in found.rows})
+    for told in found.ladders:
+        assert told.closes and told.total.diffuse is None
+        assert [c.name for c in told.causes] == ["integration", "occlusion", "interreflection"]
+        lacked = {name: f.value for name, f in told.missing.items()}
+        if told.object != "sphere":  # which little stands around
+            assert lacked["occlusion"] == pytest.approx(occlusion, abs=0.15)
+            assert lacked["interreflection"] == pytest.approx(interreflection, abs=0.15)
+
+
+def test_too_few_batches_are_told_beside_every_row(shadeproof, own):
+    for number in range(2, 8):
+        (own / f"own/{CASE}/{number}.exr").unlink()
+    for row in compared(shadeproof, own, "--candidate", own / "mine").rows:
+        assert "2 of the 8 batches that a reference needs" in row.note
+
+
+def test_a_bad_truth_is_told_before_anything_is_drawn_and_leaves_what_is_there(shadeproof, own):
+    compared(shadeproof, own, "--candidate", own / "mine")
+    before = {p: p.stat().st_mtime_ns for p in sorted((own / "out").rglob("*"))}
+    (own / f"own/{CASE}/7.exr").write_text("no")
+    words = ("--suite", "tiny", "--truth", own / "own", "--out", own / "out")
+    code, _, err = shadeproof("compare", *words, "--candidate", "false {case} {out}")
+    assert code == 2 and "7.exr" in err and "candidate" not in err
+    assert before == {p: p.stat().st_mtime_ns for p in sorted((own / "out").rglob("*"))}
 
 
 BUDGETS = """
