@@ -17,6 +17,8 @@ from scenes.words import SEE, first_mistake
 # By package, the extra that brings it.
 EXTRAS = {"moderngl": "renderer", "mitsuba": "reference", "drjit": "reference"}
 EXTRAS |= {"moderngl_window": "window"}
+# What a comparison does without them.
+INSTEAD = {"renderer": ", or give a --candidate", "reference": ", or give --truth or --frozen"}
 
 
 def main() -> None:
@@ -84,10 +86,8 @@ def _lacking(error: ModuleNotFoundError) -> InputError | None:
     if package not in EXTRAS:
         return None
     remedy = f"install it with the extra: pip install 'path/to/shadeproof[{EXTRAS[package]}]'"
-    if EXTRAS[package] == "renderer":
-        remedy += ", or give a --candidate"
-    if EXTRAS[package] == "reference":
-        remedy += ", or give --truth or --frozen"
+    if sys.argv[1:2] in (["compare"], ["gate"]):
+        remedy += INSTEAD[EXTRAS[package]]
     return InputError("package", package, "is not installed", remedy)
 
 

@@ -62,7 +62,7 @@ def _write_xml(case: Case, folder: Path) -> str:
     except InputError as error:
         return error.problem
     except ModuleNotFoundError as error:
-        return f"the package {error.name} is not installed"
+        return f"the package {error.name} is not installed (extra `reference`)"
     return ""
 
 

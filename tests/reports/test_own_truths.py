@@ -223,6 +223,7 @@ def test_what_draws_or_traces_names_the_extra_that_it_needs(own, words, extra):
     *_, last = err.strip().splitlines()
     assert code == 2 and "Traceback" not in err
     assert last.startswith("error: package") and f"shadeproof[{extra}]" in last
+    assert ("or give" in last) == (words == ("compare",))
 
 
 def test_cases_are_exported_without_the_path_tracer(own):
