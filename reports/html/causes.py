@@ -171,6 +171,11 @@ class Chart:
     heads: list[tuple[Measure, list[tuple[float, str]]]]
     lines: list[Line]
 
+    @property
+    def split(self) -> bool:
+        """Whether any of its bars tells diffuse light apart."""
+        return any(bar and bar.split for line in self.lines for bar in line.bars)
+
 
 def charts(ladders: Sequence[Ladder]) -> list[Chart]:
     """A case's ladders, as charts on common scales: objects and techniques can be compared."""

@@ -26,12 +26,13 @@ class Fact:
 
 def facts(results: Results) -> list[Fact]:
     """What the run says of itself, in the order in which doubts should be raised."""
+    device = results.provenance.get("device")  # of our own renderer, where it drew
     return [
         _conformance(results),
         Fact("Reference noise, 95 %, in the median and worst row", _noise(results)),
         _rows(results),
         *_references(results),
-        Fact("Device", str(results.provenance.get("device", NONE))),
+        *([Fact("Device", str(device))] if device else []),
         Fact("Versions", versions_of(results.provenance)),
     ]
 
